@@ -3,14 +3,14 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Fills a folder with Debian's libraries and headers for ARM64: what the preset `arm64` links, and what its programs
-# load under qemu-aarch64-static. Packages are unpacked, not installed, and none of their programs runs. Needs the
-# package registry of a Debian, 1.2 GB, and no root.
+# load under qemu-aarch64-static. Packages are unpacked, not installed, and none of their programs runs. Requires the
+# package registry of a Debian and 1.2 GB of disk, but not root.
 #
 #   arm64_root.sh FOLDER
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"
-[ "$#" = 1 ] || refuse "there is no folder"
+[ "$#" = 1 ] || refuse "the argument FOLDER is missing"
 
 packages="libc6-dev libstdc++-12-dev libtbb-dev libcli11-dev libopenexr-dev libopenimageio-dev libosd-dev
   nlohmann-json3-dev libgl-dev libglfw3-dev pybind11-dev python3-dev python3-numpy libvulkan-dev libvulkan-volk-dev

@@ -66,20 +66,22 @@ def read_arguments():
     parser.add_argument(
         "--level",
         metavar="LIST",
-        help="levels of the cage, with commas between them (default: 4,5 in the set quick, else 4,5,6)",
+        help="comma-separated levels of the cage (default: 4,5 in the set quick, else 4,5,6)",
     )
     parser.add_argument(
         "--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)"
     )
-    parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
     parser.add_argument(
-        "--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name"
+        "--bench", metavar="FILE", help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)"
     )
-    parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
     parser.add_argument(
-        "--list", action="store_true", help="say what the set measures and how long that takes, and end"
+        "--device", metavar="NAME", help="Vulkan device of the sets gpu and gpu-quick: its index or a part of its name"
     )
-    parser.add_argument("--print-commands", action="store_true", help="print the command line of each job, and end")
+    parser.add_argument("--fresh", action="store_true", help="measure all jobs, also those that have a record")
+    parser.add_argument(
+        "--list", action="store_true", help="print what the set measures and how long that takes, and exit"
+    )
+    parser.add_argument("--print-commands", action="store_true", help="print the command line of each job, and exit")
     return parser.parse_args()
 
 

@@ -98,11 +98,19 @@ def main():
         "--render",
         type=Path,
         default=ROOT / "build/release/tutorials/render/cbvh_render",
-        help="the program that measures",
+        metavar="PROGRAM",
+        help="cbvh_render (default: that of build/release)",
     )
-    parser.add_argument("--scene", nargs="+", metavar="NAME", choices=sorted(MODELS), default=list(MODELS))
-    parser.add_argument("--cage", metavar="FILE")
-    parser.add_argument("--height", metavar="FILE")
+    parser.add_argument(
+        "--scene",
+        nargs="+",
+        metavar="NAME",
+        choices=sorted(MODELS),
+        default=list(MODELS),
+        help=f"scenes to measure: {', '.join(sorted(MODELS))} (default: all)",
+    )
+    parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the scenes")
+    parser.add_argument("--height", metavar="FILE", help="height map of the cage (default: none)")
     options = parser.parse_args()
     models = {name: MODELS[name] for name in options.scene}
     if options.cage:

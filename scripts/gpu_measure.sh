@@ -12,7 +12,7 @@
 set -eu
 case ${1:-} in
   -h | --help) sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  -*) echo "gpu_measure.sh: there is no option $1, see --help" >&2; exit 2 ;;
+  -*) echo "gpu_measure.sh: unknown option $1, see --help" >&2; exit 2 ;;
 esac
 here=$(cd "$(dirname -- "$0")" && pwd)
 results=${1:?usage: gpu_measure.sh RESULTS [DEVICE] [MINUTES]}

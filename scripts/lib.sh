@@ -20,10 +20,11 @@ refuse() {
 for argument in "$@"; do
   case $argument in
     -h | --help) print_help; exit 0 ;;
-    -*) [ "${arguments:-0}" = any ] || refuse "there is no option $argument" ;;
+    -*) [ "${arguments:-0}" = any ] || refuse "unknown option $argument" ;;
   esac
 done
-[ "${arguments:-0}" = any ] || [ "$#" -le "${arguments:-0}" ] || refuse "too many arguments: $*"
+[ "${arguments:-0}" = any ] || [ "$#" -le "${arguments:-0}" ] ||
+  refuse "too many arguments ($*): expected at most ${arguments:-0}"
 
 root=$(cd -- "$(dirname -- "$0")/.." && pwd)
 cd "$root"

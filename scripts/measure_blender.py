@@ -61,11 +61,17 @@ def different_pixels(one, other):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=3, metavar="N", help="renderings with each library (default: 3)")
     parser.add_argument(
-        "--library", type=Path, default=ROOT / "build/release/embree", help="folder of our libembree3.so.3"
+        "--library",
+        type=Path,
+        default=ROOT / "build/release/embree",
+        metavar="DIR",
+        help="folder of our libembree3.so.3 (default: build/release/embree)",
     )
-    parser.add_argument("--interposer", type=Path, help="libembree_cbvh_interposer.so, for a Blender on Embree 4")
+    parser.add_argument(
+        "--interposer", type=Path, metavar="FILE", help="libembree_cbvh_interposer.so, for a Blender on Embree 4"
+    )
     options = parser.parse_args()
     preloaded = []
     if options.interposer:

@@ -95,10 +95,12 @@ def load(program, path, folder, processes, view):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--scene", default="trex")
-    parser.add_argument("--repeat", type=int, default=7)
+    parser.add_argument("program", help="cbvh_render")
+    parser.add_argument("folder", type=Path, help="folder of the saved scene")
+    parser.add_argument("--scene", default="trex", metavar="NAME", help="generated scene (default: trex)")
+    parser.add_argument(
+        "--repeat", type=int, default=7, metavar="N", help="measurements, whose medians are printed (default: 7)"
+    )
     options = parser.parse_args()
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)

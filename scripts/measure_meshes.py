@@ -106,15 +106,20 @@ def line_of(name, row):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--mesh", default=",".join(MESHES).replace(", ", " "), help="names, without their commas")
-    parser.add_argument("--size", default="512x512")
-    parser.add_argument("--rays", type=int, default=0, help="of each set; 0 for one per pixel")
-    parser.add_argument("--repeat", type=int, default=5, help="speed measurements in a run")
-    parser.add_argument("--rounds", type=int, default=1, help="runs, whose medians are printed")
-    parser.add_argument("--threads", type=int, default=1, help="of builds")
-    parser.add_argument("--json", type=Path, help="file that receives all figures")
+    parser.add_argument("program", type=Path, help="cbvh_render")
+    parser.add_argument("folder", type=Path, help="folder of packages and meshes")
+    parser.add_argument(
+        "--mesh",
+        default=",".join(MESHES).replace(", ", " "),
+        metavar="NAME,...",
+        help="meshes to measure, by the names in the table; leave out commas that are part of a name (default: all)",
+    )
+    parser.add_argument("--size", default="512x512", metavar="WxH", help="size of the picture (default: 512x512)")
+    parser.add_argument("--rays", type=int, default=0, metavar="N", help="rays in each set (default: one per pixel)")
+    parser.add_argument("--repeat", type=int, default=5, metavar="N", help="speed measurements in a run (default: 5)")
+    parser.add_argument("--rounds", type=int, default=1, metavar="N", help="runs; prints medians (default: 1)")
+    parser.add_argument("--threads", type=int, default=1, metavar="N", help="threads of builds (default: 1)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="file that receives all figures")
     options = parser.parse_args()
     options.folder = options.folder.resolve()
     options.folder.mkdir(parents=True, exist_ok=True)

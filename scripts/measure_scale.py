@@ -195,24 +195,37 @@ def measure_levels(program, folder, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--only", choices=("herd", "levels"))
-    parser.add_argument("--quads", type=int, default=10**10, help="at least this many quads in the herd")
-    parser.add_argument("--count", type=int, help="number of copies, instead of --quads")
-    parser.add_argument("--level", default="6", help="level of the herd")
-    parser.add_argument("--size", default="1920x1080")
-    parser.add_argument("--samples", type=int, default=16, help="samples per pixel of the picture")
+    parser.add_argument("program", help="cbvh_render")
+    parser.add_argument("folder", type=Path, help="folder of the herd's file, records and pictures")
+    parser.add_argument("--only", choices=("herd", "levels"), help="measure only one of the two (default: both)")
     parser.add_argument(
-        "--view", default="17,9,9,-30,-4,-6,40", help="view of the herd: full, close or ex,ey,ez,lx,ly,lz,fov"
+        "--quads", type=int, default=10**10, metavar="N", help="smallest number of quads in the herd (default: 10^10)"
+    )
+    parser.add_argument("--count", type=int, metavar="N", help="number of copies in the herd, instead of --quads")
+    parser.add_argument("--level", default="6", metavar="L", help="level of the herd (default: 6)")
+    parser.add_argument("--size", default="1920x1080", metavar="WxH", help="size of pictures (default: 1920x1080)")
+    parser.add_argument(
+        "--samples", type=int, default=16, metavar="N", help="samples per pixel of the picture (default: 16)"
+    )
+    parser.add_argument(
+        "--view",
+        default="17,9,9,-30,-4,-6,40",
+        metavar="VIEW",
+        help="view of the herd: full, close, or eye, target and vertical field of view as ex,ey,ez,lx,ly,lz,fov",
     )
     parser.add_argument(
         "--memory",
         type=float,
         default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB,
-        help="GiB that the builds of representations may use (default: 0.8 of the machine's memory)",
+        metavar="GIB",
+        help="memory that the builds of representations may use (default: 0.8 of the machine's memory)",
     )
-    parser.add_argument("--scenes", default="trex,frog,knee", help="scenes for the comparison of levels")
+    parser.add_argument(
+        "--scenes",
+        default="trex,frog,knee",
+        metavar="NAME,...",
+        help="scenes for the comparison of levels (default: trex,frog,knee)",
+    )
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
     options = parser.parse_args()
     folder = options.folder.resolve()

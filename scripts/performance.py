@@ -5,7 +5,8 @@
 """Measures the tables of docs/performance.md and README.md in one run of cbvh_bench, and writes them into the pages.
 
     scripts/performance.py                  measures on the widest instruction set, some ten minutes
-    scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least OPTIONS
+    scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least the options OPTIONS
+                                            in this file
 
 If the headline's figures change, change them in docs/figures.csv, too.
 """
@@ -159,11 +160,12 @@ def main():
         "--bench",
         type=Path,
         default=ROOT / "build/release/tutorials/bench/cbvh_bench",
-        help="the program that measures",
+        metavar="PROGRAM",
+        help="cbvh_bench (default: that of build/release)",
     )
-    parser.add_argument("--record", metavar="FILE")
+    parser.add_argument("--record", metavar="FILE", help="use this record instead of measuring")
     parser.add_argument(
-        "--front-only", action="store_true", help="write only README.md, with the speeds of docs/performance.md"
+        "--front-only", action="store_true", help="write only the table of README.md"
     )
     options = parser.parse_args()
     rows = rows_of(records.read(options.record) if options.record else measured(options.bench))

@@ -36,7 +36,7 @@ load "$distribution" "$compiler"
 case $distribution in
   debian12) suite=bookworm ;;
   debian13) suite=trixie ;;
-  *) refuse "\"$distribution\" is not a distribution: expected debian12 or debian13" ;;
+  *) refuse "unknown distribution \"$distribution\": expected debian12 or debian13" ;;
 esac
 case $compiler in
   gcc | gcc-[0-9]*) cxx=g++${compiler#gcc} ;;

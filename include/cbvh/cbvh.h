@@ -22,11 +22,20 @@
  * Surfaces are stored as cVERT: the triangles of a fine tessellation with vertices on a lattice, in 2 to 4 bytes per
  * quad. Irregular triangles mostly need 7 to 8 bytes each.
  *
- * Functions return an error code, CBVH_OK on success. cbvhGetErrorText returns the message of the last error. New
- * objects have a reference count of 1.
+ * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
+ * failure. cbvhGetErrorText returns the message of the last error. For an object that is NULL, functions return
+ * CBVH_ERROR_INVALID_ARGUMENT, 0 or NULL.
+ *
+ * Ownership: new objects have a reference count of 1. The retain functions add a reference, the release functions
+ * remove one, and the last one frees the object; both ignore NULL. A surface retains its context, a group its context
+ * and its surfaces. Arrays, structs and texts that an application passes are read during the call only, unless the
+ * comment of the function states otherwise.
  *
  * Thread safety: any thread may call any function, with one restriction: while a thread changes an object, no other
- * thread may change or trace the same object.
+ * thread may change or trace the same object. The functions cbvhSet..., cbvhDiceSurface, cbvhCommitSurface and
+ * cbvhCommitGroup change their object. cbvhCommitGroup also changes surfaces whose mask was set.
+ *
+ * The manual page of a function names the version since which the function is available.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
  * struct. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}. Versions only append
@@ -71,7 +80,8 @@ enum CbvhError
   CBVH_ERROR_CANCELLED = 6
 };
 
-/* Returns the message of the last error on the calling thread. Valid until the next error on this thread. */
+/* Returns the message of the last error on the calling thread, or an empty text if there was none. Valid until the next
+ * error on this thread. A call that succeeds does not clear it. */
 CBVH_API const char* cbvhGetErrorText(void);
 
 /* Returns the version of the library: 10203 is 1.2.3. */
@@ -81,7 +91,8 @@ CBVH_API unsigned int cbvhGetVersion(void);
 
 typedef struct CbvhContextTy* CbvhContext;
 
-/* Called for every error, on the thread that caused it, before the failing function returns. */
+/* Called for every error of a context, on the thread that caused it, before the failing function returns. It is not
+ * called if a function fails because its object is NULL. text is valid during the call. */
 typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
 
 /* Creates a context with a reference count of 1.
@@ -90,7 +101,9 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  *           defaults. An unknown key or instruction set is an error whose message names the nearest valid one.
  * function: called for errors, or NULL.
  * userPtr:  passed to the function.
- * context:  written on success. */
+ * context:  written on success.
+ *
+ * cbvhRetainContext and cbvhReleaseContext add and remove a reference. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr,
     CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
@@ -100,16 +113,18 @@ CBVH_API void cbvhReleaseContext(CbvhContext context);
 
 typedef struct CbvhSurfaceTy* CbvhSurface;
 
-/* Positions of vertices at each time step, three floats each. For grids and meshes the library reads the caller's
- * arrays until the surface is committed. As in Embree, 4 bytes after the last vertex must be readable. */
+/* Positions of vertices at each time step, three floats each. cbvhSetCage copies them. For grids and meshes the library
+ * reads the caller's arrays until the surface is committed. As in Embree, 4 bytes after the last vertex must be
+ * readable. */
 struct CbvhVertices
 {
   size_t count;
-  size_t stride;              /* bytes from one vertex to the next, a multiple of 4 */
+  size_t stride;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
   const float* const* steps;  /* one pointer per time step */
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
-  float begin, end;           /* times of the first and the last step. Vertices are interpolated linearly between steps.
-                               * Outside of the time range there is no surface. Ignored if numSteps is 1 */
+  float begin, end;           /* times of the first and the last step, begin < end. Vertices are interpolated linearly
+                               * between steps. Outside of the time range there is no surface. Ignored if numSteps is
+                               * 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
@@ -170,8 +185,8 @@ struct CbvhCage
   size_t numHoles;
   const unsigned int* holes;         /* faces that are left out */
 
-  CbvhDisplacementFunction displacement; /* NULL: none */
-  void* displacementPtr;
+  CbvhDisplacementFunction displacement; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
+  void* displacementPtr;             /* passed to the displacement function. Must be valid until the commit */
 
   size_t numAttributes;
   const struct CbvhAttribute* attributes;
@@ -184,6 +199,7 @@ struct CbvhGrid
   unsigned short width, height;     /* in vertices, at least 2 */
 };
 
+/* Grids of vertices, for example diced patches. */
 struct CbvhGrids
 {
   size_t structSize CBVH_SIZE_OF(CbvhGrids);
@@ -237,25 +253,48 @@ struct CbvhAccuracy
   float pixelSize;                  /* width of a pixel at distance 1 */
 };
 
-/* Creates an empty surface. */
+/* Creates a surface without input.
+ *
+ * context: retained by the surface.
+ * surface: written on success.
+ *
+ * cbvhRetainSurface and cbvhReleaseSurface add and remove a reference. */
 CBVH_API enum CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface);
 CBVH_API void cbvhRetainSurface(CbvhSurface surface);
 CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
 
 /* Set the input of the next commit, and replace an earlier input. The functions read everything during the call, except
  * the vertices of grids and meshes: cbvhCommitSurface reads these, and the application may free them afterwards. The
- * primitives of the surface are the faces of a cage, the grids, or the quads or triangles of a mesh. */
+ * primitives of the surface are the faces of a cage, the grids, or the quads or triangles of a mesh. Until the commit,
+ * rays hit the surface of the last commit.
+ *
+ * cage, grids, mesh: structSize is read.
+ *
+ * Return CBVH_ERROR_INVALID_ARGUMENT, and keep the earlier input, if a member is invalid; the message states which.
+ * Vertices that are not finite are no error. */
 CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
 
 /* Sets the edge rates of a cage so that its quads have about the requested size in a picture. Call it after
  * cbvhSetCage, whose rates it replaces by powers of two. A commit releases the cage: for another view, call
- * cbvhSetCage again. Edges are measured on the displaced surface: several threads call the displacement function.
- * rates: written, one entry per index, or NULL. */
+ * cbvhSetCage again. Edges are measured on the displaced surface: several threads call the displacement function, for
+ * about 1/16 as many points as there will be quads.
+ *
+ * dicing: structSize is read.
+ * rates:  written, one entry per index of the cage, or NULL.
+ *
+ * Returns CBVH_ERROR_INVALID_OPERATION if no cage was set since the last commit, and CBVH_ERROR_INVALID_ARGUMENT for
+ * an invalid member, which the message names. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
-/* Sets the accuracy of the next commit. NULL selects the defaults. */
+/* Sets the accuracy of the next commit. A commit without new input fails if the accuracy changed, because the earlier
+ * commit released the input.
+ *
+ * accuracy: structSize is read. NULL selects the defaults.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if a bound is negative or not finite, or if maxPixelError is not 0 and the camera
+ * is not finite or pixelSize is not positive. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
 /* Sets whether the next commit is lossless: it stores the exact vertices of grids and meshes, and of cages the vertices
@@ -271,21 +310,33 @@ CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mas
  * displacement function, it must not change its surface: functions that do so return CBVH_ERROR_INVALID_OPERATION. */
 typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
-/* Tessellates and compresses a surface with all threads of the context. Does nothing if the surface did not change
- * since its last commit. Returns CBVH_ERROR_CANCELLED if the progress function cancels: the surface is then
- * unchanged and keeps its input. Quads with vertices that are not finite are left out, and cbvhCommitGroup reports
- * them. progress: may be NULL. */
+/* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
+ * input was set since the last commit. Rays of a group hit the new surface after the next cbvhCommitGroup. Quads with
+ * vertices that are not finite are left out, and cbvhCommitGroup reports them.
+ *
+ * progress: may be NULL.
+ * userPtr:  passed to the progress function.
+ *
+ * Returns CBVH_ERROR_CANCELLED if the progress function cancels. Returns CBVH_ERROR_INVALID_OPERATION if the surface
+ * has no input, if its accuracy changed but not its input, or if a mesh cannot be stored; the message states the
+ * reason. In these cases the surface is unchanged and keeps its input. */
 CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
 
-/* Returns the number of primitives of the input that was set last. */
+/* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
 CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 
-/* Evaluates an attribute of a cage at a hit. P receives the value, of the attribute's width, and dPdu and dPdv its
- * derivatives; each may be NULL. u and v must be valid parameters of the face: 0 to 1 on a face with four corners,
- * otherwise on one of its sub-patches, as in hits.
+/* Evaluates an attribute of a cage at a hit. Loaded surfaces have no attributes.
+ *
+ * attribute:     index in CbvhCage::attributes.
+ * primID, u, v:  face and parameters. u and v must be valid: 0 to 1 on a face with four corners, otherwise on one of
+ *                its sub-patches, as in hits.
+ * P, dPdu, dPdv: the value and its derivatives. Each has as many floats as the attribute is wide, or is NULL.
  *
  * A displacement function may call it for its own surface during cbvhCommitSurface and cbvhDiceSurface. It then uses
- * the attributes of the cage that is displaced. */
+ * the attributes of the cage that is displaced.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for an attribute, a face or parameters that the cage does not have, and
+ * CBVH_ERROR_INVALID_OPERATION if the surface is not committed. */
 CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v,
     unsigned int attribute, float* P, float* dPdu, float* dPdv);
 
@@ -299,36 +350,54 @@ struct CbvhInterpolation
   float *P, *dPdu, *dPdv;         /* written, one value after the other, each of the attribute's width; may be NULL */
 };
 
-/* Evaluates an attribute of a cage at many points of a face. If the parameters of a point are not valid, the function
- * returns an error that names the point, and writes nothing. Displacement functions use it to look up height maps,
- * because all points of one call are on the same face. */
+/* Evaluates an attribute of a cage at many points of a face. Displacement functions use it to look up height maps,
+ * because all points of one call are on the same face.
+ *
+ * points: structSize is read, and the arrays P, dPdu and dPdv are written.
+ *
+ * Returns errors as cbvhInterpolate. The message names the first point with invalid parameters. */
 CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
 
 /* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
  * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
- * disk leaves it unchanged. */
+ * disk leaves it unchanged.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for a path that cannot be written. Returns CBVH_ERROR_INVALID_OPERATION if the
+ * surface is not committed, or if writing fails. Rays may be traced during the call. */
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
 
 /* Loads a surface from a file. The surface is committed and has no input. The file is mapped: rays can be traced at
  * once, blocks that no ray visits stay on disk, and processes share the memory. Hits are equal to the bit. The file may
  * be replaced or removed while the surface exists, but must not be written to.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for files that have another format or a newer version, or are truncated or
- * altered; the message states the reason. Damaged blocks are left out when a ray visits them, and reported once to
- * the error function. surface: written on success. */
+ * context: retained by the surface.
+ * path:    of a regular file that contains one surface.
+ * surface: written on success.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or a newer version, or are
+ * truncated or altered; the message states the reason. Damaged blocks are left out when a ray visits them, and reported
+ * once to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */
 
 typedef struct CbvhGroupTy* CbvhGroup;
 
-/* Creates a group of committed surfaces, and retains them. A surface may be in several groups. */
+/* Creates a group of surfaces, and retains them. A surface may be in several groups.
+ *
+ * context:  of all surfaces.
+ * surfaces: array of `count` surfaces, at least 1. The index of a surface in the array is the geomID of its hits.
+ * group:    written on success.
+ *
+ * cbvhRetainGroup and cbvhReleaseGroup add and remove a reference. */
 CBVH_API enum CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group);
 CBVH_API void cbvhRetainGroup(CbvhGroup group);
 CBVH_API void cbvhReleaseGroup(CbvhGroup group);
 
 /* Builds the tree of a group from the last commits of its surfaces. Call it before the first ray, and after commits of
- * surfaces.
+ * surfaces. The tree refers to the blocks of the surfaces and copies none of them.
+ *
+ * Returns CBVH_ERROR_INVALID_OPERATION if a surface was never committed. The group is then unchanged.
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT, once, in three cases: a displacement function returned numbers that are not
  * finite; a grid has vertices outside of its buffer; faces were left out because they have more than 16 corners, or
@@ -336,26 +405,27 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  * grid, or the number of faces. The rest of the group is committed. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
-/* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The group keeps its
- * reference. */
+/* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not
+ * retained: call cbvhRetainSurface if it must outlive the group. */
 CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
 CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 
-/* Set and return a pointer that the application stores with a group. */
+/* Set and return a pointer that the application stores with a group. It is NULL at first. */
 CBVH_API void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr);
 CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 
-/* Number the primitives of all surfaces of a group consecutively.
+/* Number the primitives of all surfaces of a committed group consecutively.
  *
  * cbvhGetGroupFirstPrimitive returns the number of the first primitive of a surface. For the index cbvhGetGroupSize it
  * returns the number of all primitives, and 0 for larger indices. It returns at most 4294967295.
  *
- * cbvhFindGroupPrimitive writes the surface and the primitive of a number and returns 1, or returns 0 if no
- * primitive has this number. */
+ * cbvhFindGroupPrimitive writes the index of the surface and the primitive of a number and returns 1, or returns 0
+ * if no primitive has this number. It searches in the surfaces by bisection. */
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 
-/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty. */
+/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty or not committed.
+ * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
 
 /* Memory and size of a group. */
@@ -368,25 +438,32 @@ struct CbvhStatistics
   size_t numInvalidQuads;       /* quads that were left out */
   float maxVertexDeviation;     /* world units: largest distance by which a vertex was moved */
 };
+
+/* Returns the statistics of the last commit of a group, which the commit computed.
+ *
+ * statistics: written on success; structSize is read.
+ *
+ * Returns CBVH_ERROR_INVALID_OPERATION if the group is not committed. */
 CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhStatistics* statistics);
 
 /* --- rays -------------------------------------------------------------------------------- */
 
 /* The layout of RTCRay and RTCHit of Embree 3 and 4, without the last member of Embree 4's RTCHit. Aligned to 16
- * bytes. */
+ * bytes. Distances are in lengths of the direction, which may have any length. */
 struct CBVH_ALIGNED CbvhRay
 {
-  float org_x, org_y, org_z, tnear;
-  float dir_x, dir_y, dir_z, time;
-  float tfar;
-  unsigned int mask, id, flags;
+  float org_x, org_y, org_z, tnear; /* tnear: smallest distance of hits, not negative */
+  float dir_x, dir_y, dir_z, time;  /* time: for surfaces that move, otherwise ignored */
+  float tfar;                       /* largest distance of hits. A ray with a negative tfar is not traced */
+  unsigned int mask;                /* see cbvhSetSurfaceMask */
+  unsigned int id, flags;           /* not read. Filter functions receive them */
 };
 
 struct CBVH_ALIGNED CbvhHit
 {
   float Ng_x, Ng_y, Ng_z;         /* normal of the triangle, of any length */
-  float u, v;
-  unsigned int primID, geomID, instID; /* geomID: index of the surface in its group */
+  float u, v;                     /* parameters on the primitive */
+  unsigned int primID, geomID, instID; /* geomID: index of the surface in its group. instID: not written */
 };
 
 struct CBVH_ALIGNED CbvhRayHit
@@ -400,7 +477,7 @@ struct CBVH_ALIGNED CbvhRayHit
 struct CbvhFilterArguments
 {
   int* valid;
-  void* userPtr;
+  void* userPtr;               /* the filterPtr of the query */
   void *rays, *hits;
   unsigned int count;
 };
@@ -416,16 +493,20 @@ struct CbvhQuery
 {
   size_t structSize CBVH_SIZE_OF(CbvhQuery);
   unsigned int flags;          /* bits of CbvhQueryFlags */
-  CbvhFilterFunction filter;   /* NULL: every hit counts */
-  void* filterPtr;
+  CbvhFilterFunction filter;   /* called on the tracing thread. NULL: every hit counts */
+  void* filterPtr;             /* passed to the filter function */
 };
 
 /* Find closest hits. If a ray hits a surface at a distance below tfar, tfar becomes this distance and the hit is
- * written. All other members are unchanged. query: NULL selects the defaults.
+ * written. All other members are unchanged.
  *
- * cbvhIntersect1 returns 1 if the ray hits. The packet functions return one bit per ray. Packets have the layout of
- * Embree's RTCRayHit4, 8 and 16. valid: -1 for rays that are traced, otherwise 0, with the alignment of the rays; NULL
- * traces all rays.
+ * cbvhIntersect1 returns 1 if the ray hits, otherwise 0. The packet functions return one bit per ray, bit 0 for the
+ * first one.
+ *
+ * group: committed. The functions do not check this.
+ * valid: -1 for rays that are traced, otherwise 0, with the alignment of the rays. NULL traces all rays.
+ * rays:  a packet in the layout of Embree's RTCRayHit4, 8 or 16, aligned to 16, 32 or 64 bytes.
+ * query: NULL selects the defaults.
  *
  * If structSize of the query is wrong, functions that trace rays call the error function, trace nothing and return
  * 0. */
@@ -434,7 +515,9 @@ CBVH_API unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* ra
 CBVH_API unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhIntersect16(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 
-/* Test for any hit: tfar becomes -infinity if a ray hits. Packets have the layout of RTCRay4, 8 and 16. */
+/* Test for any hit: tfar becomes -infinity if a ray hits. Results and arguments are as for the cbvhIntersect functions,
+ * but packets have the layout of RTCRay4, 8 and 16. Rays whose tfar is negative before the call have no bit in the
+ * result. */
 CBVH_API int cbvhOccluded1(CbvhGroup group, struct CbvhRay* ray, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
@@ -442,18 +525,32 @@ CBVH_API unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* ra
 
 /* --- access to stored triangles ---------------------------------------------------------- */
 
+/* A stored triangle. */
 struct CbvhTriangle
 {
   float vertices[3][3];        /* x, y, z */
-  float u[3], v[3];            /* parameters of the vertices on the primitive */
+  float u[3], v[3];            /* parameters of the vertices on the primitive; u and v of hits are interpolated from
+                                * them */
 };
 
-/* Finds the triangle of a hit, at the time of its ray. Ng: of the hit, to select between triangles with a common
- * edge, or NULL. Returns 1 if there is a triangle. */
+/* Finds the triangle of a hit. The first call after a commit builds an index with 16 bytes per block; for meshes it has
+ * 4 more bytes per primitive.
+ *
+ * surface:      committed.
+ * time:         of the ray. Ignored for a surface that does not move.
+ * primID, u, v: of the hit.
+ * Ng:           of the hit, 3 floats. It selects between triangles if (u,v) lies on their common edge. NULL selects
+ *               any.
+ * triangle:     written if a triangle is found.
+ *
+ * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
+ * outside of the time range, and on errors. */
 CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
 
-/* A part of a surface: a grid of up to 16 x 16 quads. */
+/* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
+ * (x+1,y), (x+1,y+1). An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which
+ * the second triangle, or the first one, may be missing. A missing triangle has two equal vertices. */
 struct CbvhPart
 {
   unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
@@ -464,10 +561,17 @@ struct CbvhPart
   unsigned int primitivesPerQuad; /* 0: cages and grids. 1: meshes of quads. 2: meshes of triangles; the second
                                    * primitive is the first one again if the quad has one triangle */
 };
+
 /* Called with a part, which is valid until the function returns. Returning 0 ends the enumeration. */
 typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
 
-/* Calls a function for all parts of a surface at a time. */
+/* Calls a function for all parts of a surface at a time, on the calling thread, in unspecified order. Each part is
+ * decoded when it is passed: the function needs no memory for the whole surface.
+ *
+ * surface:  committed.
+ * time:     of rays. Ignored for a surface that does not move. Outside of the time range there are no parts.
+ * function: not NULL.
+ * userPtr:  passed to the function. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
 /* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
@@ -526,14 +630,18 @@ struct CbvhClusterReport
 /* Called with a cluster, which is valid until the function returns. Returning 0 ends the enumeration. */
 typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* cluster);
 
-/* Calls a function for all clusters of a surface at a time, on the calling thread.
+/* Calls a function for all clusters of a surface at a time, on the calling thread. The order is the same for each call.
  *
  * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
  * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left
  * out, because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
  *
+ * surface:  committed.
+ * time:     of rays. Ignored for a surface that does not move. At a time step, vertices are on their lattice.
+ * format:   of the clusters.
  * function: NULL if only the report is needed.
- * report:   totals, or NULL.
+ * userPtr:  passed to the function.
+ * report:   totals, written also if the function fails, or NULL; structSize is read.
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if the surface has more triangles than the 29-bit primitive indices of DGF
  * can count. */

@@ -18,7 +18,10 @@
  * the bounds.
  *
  * The primIDs of hits number the primitives of all surfaces of the group consecutively. cbvhFindGroupPrimitive
- * returns the surface and the primitive of such a number. */
+ * returns the surface and the primitive of such a number.
+ *
+ * The API consists of cbvhNewGeometry, CbvhGeometryFlags and CbvhQueryContext. All other names in this header are
+ * internal and may change in any version. */
 
 #include "cbvh.h"
 
@@ -30,6 +33,7 @@
 extern "C" {
 #endif
 
+/* Flags of cbvhNewGeometry. Without flags, rays are fastest, and no filter functions are called. */
 enum CbvhGeometryFlags
 {
   /* Calls the filter functions of the geometry, with Embree 3 also those of contexts. */
@@ -297,7 +301,8 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
   args->bounds_o->upper_x = upper[0]; args->bounds_o->upper_y = upper[1]; args->bounds_o->upper_z = upper[2];
 }
 
-/* Creates a geometry from a group, and commits it. The caller releases the geometry, and then the group.
+/* Creates a geometry from a group, and commits it. The caller owns the geometry: it releases the geometry first, and
+ * then the group, which the geometry does not retain. rtcSetGeometryUserData must not be called for it.
  *
  * device: of the application's Embree.
  * group:  committed. It becomes the user data of the geometry: use cbvhSetGroupUserPtr for a pointer of the
@@ -305,7 +310,7 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
  * flags:  bits of CbvhGeometryFlags.
  *
  * Returns NULL if Embree cannot create the geometry; its device then has an error. Also returns NULL if the group
- * has 2^32 primitives or more, which the primID of a hit cannot count. */
+ * has 2^32 - 1 primitives or more, which the primID of a hit cannot count. Thread safety: as rtcNewGeometry. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);

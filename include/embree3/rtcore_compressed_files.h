@@ -84,7 +84,9 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
 RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, const char* path,
     unsigned long long key);
 
-/* Returns the number of geometries in a writer, or 0 for NULL. */
+/* Returns the number of geometries in a writer, including those that a resumed writer continues after.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; the result is 0. Thread safety: as rtcNewCompressedFileWriter. */
 RTC_API unsigned int rtcGetCompressedFileWriterCount(RTCCompressedFileWriter writer);
 
 /* Appends a geometry to a file. The index of the geometry in the file is the number of geometries before it. The
@@ -109,15 +111,25 @@ RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeom
 RTC_API bool rtcCommitCompressedFile(RTCCompressedFileWriter writer);
 
 /* Releases a writer. Geometries that were not committed are removed, or kept by a writer of
- * rtcResumeCompressedFileWriter. */
+ * rtcResumeCompressedFileWriter.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
 
-/* Opens a file with any number of geometries. Arguments, errors and thread safety: as rtcLoadCompressedGeometry.
+/* Opens a file with any number of geometries. The function maps the file, and reads and checks its header and
+ * directory. Any number of threads may use an open file at the same time.
  *
- * Returns the file, to be released by rtcReleaseCompressedFile, or NULL. */
+ * device: of geometries that are created from the file; receives the errors.
+ * path:   as for rtcLoadCompressedGeometry.
+ *
+ * Returns the file, to be released by rtcReleaseCompressedFile, or NULL.
+ *
+ * Errors and thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice device, const char* path);
 
-/* Returns the number of geometries in a file. */
+/* Returns the number of geometries in a file.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; the result is 0. */
 RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 
 /* Description of a geometry in a file. */
@@ -167,15 +179,18 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
  * Returns the geometry, or NULL. Errors and thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
-/* Reads a whole file, checks all blocks and compares the checksums.
+/* Reads a whole file, checks all blocks and compares the checksums. The time is that of reading the file from disk.
  *
  * file: open.
  *
- * Returns true if the file is intact. Otherwise the message of the device's error describes the damage. Errors:
- * RTC_ERROR_INVALID_ARGUMENT. */
+ * Returns true if the file is intact. Otherwise the message of the device's error describes the damage.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a damaged file. */
 RTC_API bool rtcVerifyCompressedFile(RTCCompressedFile file);
 
-/* Releases a file. Geometries that were created from it remain valid. */
+/* Releases a file. Geometries that were created from it remain valid.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API void rtcReleaseCompressedFile(RTCCompressedFile file);
 
 RTC_NAMESPACE_END

@@ -37,13 +37,26 @@ RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID,
     struct RTCCompressedTriangle* triangle);
 
 /* Finds the triangle of a hit at the time of its ray. rtcGetCompressedTriangle uses the first time step of the
- * geometry. The vertices are those that a ray with this time hits. Returns false if the time is outside of the time
- * range of the geometry. The time is ignored for geometry that does not move. */
+ * geometry. The vertices are those that a ray with this time hits.
+ *
+ * time: of the ray. Ignored for geometry that does not move.
+ *
+ * The other arguments are those of rtcGetCompressedTriangle.
+ *
+ * Returns false if the time is outside of the time range of the geometry, otherwise as rtcGetCompressedTriangle.
+ *
+ * Errors and thread safety: as rtcGetCompressedTriangle. */
 RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
     const float* Ng, struct RTCCompressedTriangle* triangle);
 
-/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Vertices that neighboring parts
- * share are equal floats; with cGRID only inside of a face. Later versions may append members. */
+/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
+ * (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats; with cGRID
+ * only inside of a face.
+ *
+ * An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which the second triangle,
+ * or the first one, may be missing. A missing triangle has two equal vertices.
+ *
+ * Later versions may append members. */
 struct RTCCompressedPart
 {
   unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
@@ -59,16 +72,21 @@ struct RTCCompressedPart
 /* Called with a part, which is valid until the function returns. Returning false ends the enumeration. */
 typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompressedPart* part);
 
-/* Calls a function for all parts of a surface, on the calling thread, in unspecified order.
+/* Calls a function for all parts of a surface at the first time step, on the calling thread, in unspecified order. Each
+ * part is decoded when it is passed: the function needs no memory for the whole surface.
  *
  * geometry: as for rtcGetCompressedTriangle.
  * function: not NULL.
+ * userPtr:  passed to the function.
  *
  * Errors: as for rtcGetCompressedTriangle. Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr);
 
-/* Calls a function for all parts of a surface at a time. There are no parts outside of the time range of the
- * geometry. */
+/* Calls a function for all parts of a surface at a time. There are no parts outside of the time range of the geometry.
+ *
+ * time: of rays. Ignored for geometry that does not move.
+ *
+ * The other arguments, errors and thread safety: as rtcForEachCompressedPart. */
 RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
     void* userPtr);
 

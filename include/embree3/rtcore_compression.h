@@ -50,6 +50,10 @@
  * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not
  * store arrays of them.
  *
+ * As in Embree, rtcGetDeviceError returns the error code of a function that fails, and the function that
+ * rtcSetDeviceErrorFunction sets receives the message. The manual page of a function names the version since which the
+ * function is available.
+ *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression Scheme for Ray Tracing Subdivision
  * Surfaces with Displacement", 2018. */
 
@@ -166,7 +170,7 @@ struct RTCCompressionArguments
   void* progressUserPtr;
 };
 
-/* Sets all arguments to inherit the settings of the device. */
+/* Sets all arguments to inherit the settings of the device. args: written, not NULL. */
 RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args)
 {
   args->structSize = sizeof(*args);
@@ -182,7 +186,8 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->progressUserPtr = NULL;
 }
 
-/* Sets the representation of a geometry. It takes effect with the next commit of the geometry and the scene.
+/* Sets the representation of a geometry. It takes effect with the next commit of the geometry and the scene, which does
+ * all the work.
  *
  * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
  * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
@@ -220,7 +225,7 @@ struct RTCCompressionStatistics
                                 // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
   float  maxBorderMismatch;     // cVERT, cLEAF, world units: largest distance between the vertices that two faces
                                 // evaluate at the same place; the stored surface has no such gap
-  size_t numFallbackQuads;         // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::fallbackFaces
+  size_t numFallbackQuads;      // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::fallbackFaces
   size_t numFlippedQuads;       // quads whose stored normal differs from their vertices' normal by more than 90 degrees
   size_t numMeshQuads;          // quads of quad meshes in blocks, plus pairs of triangles of triangle meshes
   size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads
@@ -234,7 +239,8 @@ struct RTCCompressionStatistics
                                 // allocate a cache when they first need it, and share it among all scenes
 };
 
-/* Returns the statistics of the last commit of a scene. All members are zero if the scene has no compressed geometry.
+/* Returns the statistics of the last commit of a scene, which the commit computed. All members are zero if the scene
+ * has no compressed geometry.
  *
  * scene: committed. Geometry of instanced scenes is not included.
  * stats: written during the call, not NULL; structSize is read.

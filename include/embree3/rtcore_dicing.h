@@ -36,7 +36,7 @@ struct RTCDicingArguments
 };
 
 /* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their
- * defaults. */
+ * defaults. args: written, not NULL. */
 RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
 {
   args->structSize = sizeof(*args);

@@ -31,7 +31,8 @@
  * code, and the function that rtcSetDeviceErrorFunction sets receives the message. Messages about an exceeded limit
  * name the limit and the value.
  *
- * Structs begin with structSize, see rtcore_compression.h.
+ * Structs begin with structSize, see rtcore_compression.h. The manual page of a function names the version since which
+ * the function is available.
  *
  * Thread safety: functions of different objects may be called at the same time. rtcNewVulkanScene and the rtcStart
  * functions use the queue of the device, one call at a time. An application that uses the same queue, its own or
@@ -74,7 +75,8 @@ RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDevi
  * which:  an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia"; case is ignored). NULL or
  *         "" selects the first supported device, discrete devices first.
  *
- * Returns NULL if there is no loader, no device, no device with this name, or if the device lacks a feature. */
+ * Returns the device, to be released by rtcReleaseVulkanDevice. Returns NULL if there is no loader, no device, no
+ * device with this name, or if the device lacks a feature. */
 RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which);
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
@@ -94,8 +96,12 @@ struct RTCVulkanHandles
                                      * features */
 };
 
-/* Creates a device from the application's handles. handles is read during the call. Returns NULL if a handle is missing
- * or structSize is wrong. */
+/* Creates a device from the application's handles.
+ *
+ * device:  receives errors.
+ * handles: read during the call, not NULL.
+ *
+ * Returns NULL if a handle is missing or structSize is wrong. */
 RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
 
 /* Add and remove a reference to a device. Removing the last one closes it. Scenes of the device hold a reference. */
@@ -156,7 +162,9 @@ struct RTCVulkanSceneArguments
  *
  * device: of the new scene.
  * scene:  committed.
- * args:   NULL for defaults. */
+ * args:   read during the call. NULL selects the defaults: all members zero.
+ *
+ * Returns the scene, to be released by rtcReleaseVulkanScene, or NULL. */
 RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene,
     const struct RTCVulkanSceneArguments* args);
 
@@ -167,8 +175,8 @@ RTC_API void rtcReleaseVulkanScene (RTCVulkanScene scene);
 /* Returns the argument `scene` of cbvhIntersect in shaders, as two words, the lower word first. */
 RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
 
-/* Returns the kinds of leaves in a scene, as a bit mask. A shader that defines CBVH_KINDS as this mask contains code
- * for no other kinds. */
+/* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines CBVH_KINDS
+ * as this mask contains code for no other kinds. */
 RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
 
 /* Lists the instances that place a scene in a top-level structure of the application: one for each geometry, and one
@@ -217,9 +225,9 @@ RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer com
 RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count);
 
-/* Record commands that sort the indices of rays by origin and direction, and traces in this order. Rays stay where they
- * are. Incoherent rays are faster if neighbors in the buffer have similar origins and directions. Sorting pays off for
- * rays of several bounces, not for camera rays.
+/* Record commands that sort the indices of rays by origin and direction, and that trace in this order. Rays stay
+ * where they are. Incoherent rays are faster if neighbors in the buffer have similar origins and directions. Sorting
+ * pays off for rays of several bounces, not for camera rays.
  *
  * rays:  device address, a multiple of 16, of rays that are `stride` bytes apart and begin like an RTCRay.
  * order: device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. A barrier to compute shaders
@@ -232,7 +240,7 @@ RTC_API bool rtcRecordVulkanIntersectInOrder (RTCVulkanScene scene, VkCommandBuf
 RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count, VkDeviceAddress order);
 
-/* Enables sorting of rays that the rtcStart functions trace. Disabled by default. */
+/* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default. */
 RTC_API void rtcSetVulkanSceneRaySort (RTCVulkanScene scene, bool enabled);
 
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
@@ -246,16 +254,18 @@ struct RTCVulkanTimes
   double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySort */
 };
 
-/* Start tracing an array of `count` rays in host memory, which is read during the call. rays: as for
- * rtcRecordVulkanIntersect and rtcRecordVulkanOccluded. Return NULL on failure. Each trace must be ended by
- * rtcWaitVulkanTrace. */
+/* Start tracing an array of `count` rays in host memory, and return before they are traced.
+ *
+ * rays: read during the call. Members as for rtcRecordVulkanIntersect and rtcRecordVulkanOccluded.
+ *
+ * Return the trace, or NULL on failure. Each trace must be ended by rtcWaitVulkanTrace. */
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
 /* Returns true if a trace has ended, so that rtcWaitVulkanTrace does not wait. */
 RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
 
-/* Waits for a trace, writes its rays and releases it.
+/* Waits for a trace, writes its rays and releases it, also on failure.
  *
  * rays:  array of the type and length that the trace was started with, or NULL.
  * times: NULL, or written; structSize is read.

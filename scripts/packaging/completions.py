@@ -133,8 +133,8 @@ def script_of(program, help_text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", type=Path)
-    parser.add_argument("command", nargs=argparse.REMAINDER)
+    parser.add_argument("file", type=Path, help="completion script to write")
+    parser.add_argument("command", nargs=argparse.REMAINDER, help="program and arguments, to which --help is added")
     arguments = parser.parse_args()
     if not arguments.command:
         parser.error("PROGRAM is missing")

@@ -245,9 +245,9 @@ def write(folder, name, section, text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("version")
-    parser.add_argument("folder")
-    parser.add_argument("headers", nargs="+")
+    parser.add_argument("version", help="version of Embree CBVH, printed on each page")
+    parser.add_argument("folder", help="folder of the pages; created if necessary")
+    parser.add_argument("headers", nargs="+", help="headers to document")
     arguments = parser.parse_args()
     version, folder = arguments.version, arguments.folder
     os.makedirs(folder, exist_ok=True)

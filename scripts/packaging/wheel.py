@@ -202,9 +202,9 @@ def write_wheel(stage, info, wheel):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
-    parser.add_argument("libraries", type=Path)
-    parser.add_argument("output", type=Path)
+    parser.add_argument("build", type=Path, help="build folder of the preset wheel")
+    parser.add_argument("libraries", type=Path, help="folder that wheel_libraries.sh filled")
+    parser.add_argument("output", type=Path, help="folder that receives the wheel")
     arguments = parser.parse_args()
     build, libraries = arguments.build.resolve(), arguments.libraries.resolve()
 

@@ -117,7 +117,7 @@ def problems_of(folder, newest):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("wheel")
+    parser.add_argument("wheel", help="file of the wheel")
     wheel = Path(parser.parse_args().wheel)
     tag = re.search(r"-manylinux_(\d+_\d+)_\w+\.whl$", wheel.name)
     if not tag or tag[1] not in NEWEST:

@@ -219,8 +219,8 @@ TEST(VertFormat, MotionMatchesPage)
               {"boxForm", offsetof(VertStep, boxForm)},
               {"word", offsetof(VertStep, word)},
               {"corners", offsetof(VertStep, corners)},
-              {"turned", offsetof(VertStep, turned)},
-              {"turn", offsetof(VertStep, turn)},
+              {"rotation", offsetof(VertStep, rotation)},
+              {"matrix", offsetof(VertStep, matrix)},
               {"reach", offsetof(VertStep, reach)},
               {"endReach", offsetof(VertStep, endReach)}},
              0, vertStepBytes);
@@ -231,15 +231,15 @@ TEST(VertFormat, MotionMatchesPage)
   expectFlag(form[3], hasUpperBits);
   expectFlag(form[4], hasMargins);
   EXPECT_EQ(beginReachStep(5u << form[5].first), 32u);
-  const std::vector<Bits> turned = bitsOf("motion.md", "`turned`");
-  ASSERT_EQ(turned.size(), 5u);
-  EXPECT_EQ(turned[0].count, 16u);
+  const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");
+  ASSERT_EQ(rotation.size(), 5u);
+  EXPECT_EQ(rotation[0].count, 16u);
   EXPECT_TRUE(areResidualsRotated(1u << 9, 9) && !areResidualsRotated(~(1u << 9), 9));
-  EXPECT_EQ(rotationShift(3u << turned[1].first), 4u);
-  EXPECT_EQ(endReachStep(5u << turned[2].first), 32u);
+  EXPECT_EQ(rotationShift(3u << rotation[1].first), 4u);
+  EXPECT_EQ(endReachStep(5u << rotation[2].first), 32u);
   VertStep step = {};
-  step.turned = 3u << turned[1].first | uint32_t(uint8_t(-100)) << turned[4].first;
-  for (int i = 0; i < 8; i++) ((int8_t*)step.turn)[i] = int8_t(11*i - 40);
+  step.rotation = 3u << rotation[1].first | uint32_t(uint8_t(-100)) << rotation[4].first;
+  for (int i = 0; i < 8; i++) ((int8_t*)step.matrix)[i] = int8_t(11*i - 40);
   for (int i = 0; i < 9; i++) EXPECT_EQ(rotationEntry(step, uint32_t(i)), i < 8 ? 11*i - 40 : -100);
 
   // floor((M r + 2^(6-q)) / 2^(7-q))

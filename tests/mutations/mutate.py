@@ -62,9 +62,9 @@ def read_arguments():
     parser.add_argument(
         "--build", metavar="DIR", default=str(ROOT / "build/mutations"), help="folder of the copy and of its build"
     )
-    parser.add_argument("--list", action="store_true", help="list the mutants, and end")
+    parser.add_argument("--list", action="store_true", help="list the mutants, and exit")
     parser.add_argument(
-        "--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and end"
+        "--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and exit"
     )
     parser.add_argument("--only", nargs="+", metavar="NAME", default=[], help="mutants whose name has NAME in it")
     parser.add_argument(

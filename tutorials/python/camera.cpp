@@ -62,7 +62,9 @@ void defineCamera(py::module_& module)
   py::class_<Camera>(module, "Camera", "A pinhole camera with square pixels.")
     .def(py::init(&makeCamera), py::arg("eye"), py::arg("look_at"), py::arg("up") = py::make_tuple(0.0, 1.0, 0.0),
          py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024),
-         R"(eye, look_at: (3,) each, world units.
+         R"(Creates a camera.
+
+eye, look_at: (3,) each, world units.
 up: (3,), the up direction of the picture.
 fov: vertical field of view, degrees.
 size: width and height of the picture in pixels, 1 to 16384 each.)")

@@ -330,7 +330,7 @@ void defineModel(py::module_& module)
     .def("num_quads", [](const Model& m, int level) {
            settingsOf(level, 0);
            return m.layout(level).numQuads();
-         }, py::arg("level"), ("Number of quads at a level, " + levelRange() + ".").c_str())
+         }, py::arg("level"), ("Returns the number of quads at a level, " + levelRange() + ".").c_str())
     .def("tessellate", &tessellateModel, py::arg("level"), py::kw_only(), py::arg("threads") = 0,
          py::arg("progress") = py::none(), tessellateText.c_str())
     .def("__repr__", [](const Model& m) {

@@ -385,9 +385,12 @@ time: (...), for models that move: 0 is the first time step, 1 the last.
 threads: 0 for all.
 
 Arguments are converted to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a
-picture of hits. Ctrl-C stops the call.)";
+picture of hits. Ctrl-C stops the call. Calls by several Python threads run one after the other.
 
-constexpr const char* occludedText = R"(Returns (...) bool: True if the ray hits anything. Arguments as in intersect.)";
+Raises ValueError or TypeError for invalid arguments, and Error if a block of a loaded file is damaged.)";
+
+constexpr const char* occludedText =
+  R"(Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.)";
 
 constexpr const char* secondsText = R"(Traces the rays and returns the time of one pass in seconds.
 
@@ -433,7 +436,9 @@ other representations.)";
 
 constexpr const char* saveText = R"(Saves a compressed scene to a file, which load() and cbvh_render --load open.
 
-path: of the file. An existing file is replaced when the new one is complete.)";
+path: of the file. An existing file is replaced when the new one is complete.
+
+Raises ValueError if the scene is not compressed, and Error if the file cannot be written.)";
 
 constexpr const char* loadText =
   R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.

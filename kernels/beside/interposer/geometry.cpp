@@ -85,13 +85,13 @@ void Substituted::discard()
 void Substituted::setUserData(void* userData)
 {
   standIn->userData = userData;
-  change(input.displacement ? OfInput : OfLook);
+  change(input.displacement ? InputChange : AppearanceChange);
 }
 
 /* A commit without changes means that shared buffers have new contents. */
 void Substituted::commit()
 {
-  if (changes != OfLook) isCommitted = true;
+  if (changes != AppearanceChange) isCommitted = true;
   changes = 0;
   REAL(rtcCommitGeometry)(substitute);
 }

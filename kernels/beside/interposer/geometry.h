@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An application's geometry that another one substitutes in scenes. The application's handle is Embree's geometry,
+/* An application's geometry, for which scenes contain a substitute. The application's handle is Embree's geometry,
  * which receives all calls and interpolates, but is in no scene, so that Embree never tessellates it. */
 
 #include "input.h"
@@ -22,7 +22,7 @@ typedef std::function<bool(double)> Progress;
 class Substituted
 {
 public:
-  /* NULL if no substitute is possible. settings: of the context of libembree_cbvh. */
+  /* Returns NULL if no substitute is possible. settings: of the context of libembree_cbvh. */
   static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
@@ -30,8 +30,8 @@ public:
 
   /* Input of the next commit. */
   Input input;
-  /* OfInput requires a new build, OfLook does not. */
-  enum Change { OfInput = 1, OfLook = 2 };
+  /* A change of the input requires a new build, a change of masks, filters or user data does not. */
+  enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
   void commit();
   void setEnabled(bool enabled) { isEnabled = enabled; }
@@ -40,7 +40,7 @@ public:
   StandIn* const standIn;
   const RTCGeometry substitute;
 
-  /* Builds the committed input if necessary. False if `progress` canceled. */
+  /* Builds the committed input if necessary. Returns false if `progress` canceled. */
   bool build(const Progress& progress);
   bool needsBuild() const { return isCommitted && isEnabled; }
 
@@ -50,13 +50,13 @@ public:
 private:
   Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
     RTCGeometry substitute);
-  void discard();
+  void discard(); // the built surface and its group
   void buildSurface(const Progress& progress);
 
   const std::string settings;
   std::mutex building;
   CbvhSurface surface = nullptr;
-  unsigned int changes = OfInput;
+  unsigned int changes = InputChange;
   // atomic: scenes with this geometry may be committed concurrently
   std::atomic<bool> isCommitted{false}, isEnabled{true}, isLeft{false};
 };

@@ -16,7 +16,7 @@ Substituted* find(RTCGeometry geometry) {
 
 void changeInput(RTCGeometry geometry)
 {
-  if (Substituted* const substituted = find(geometry)) substituted->change(Substituted::OfInput);
+  if (Substituted* const substituted = find(geometry)) substituted->change(Substituted::InputChange);
 }
 
 template<typename Set>
@@ -25,7 +25,7 @@ void changeInput(RTCGeometry geometry, const Set& set)
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
   set(substituted->input);
-  substituted->change(Substituted::OfInput);
+  substituted->change(Substituted::InputChange);
 }
 
 template<typename Set>
@@ -34,7 +34,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
   set(*substituted);
-  substituted->change(Substituted::OfLook);
+  substituted->change(Substituted::AppearanceChange);
 }
 
 /* False if Embree rejects the buffer, and reports the error. */

@@ -16,12 +16,12 @@ namespace {
 
 constexpr size_t maxStandIns = size_t(1) << 20;   // reserves addresses; memory is used on demand
 
-struct Free { Free* next; };
+struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted StandIn
 
 std::mutex& mutex = *new std::mutex;
-Free* firstFree = nullptr;
-size_t numUsed = 0;
-std::atomic<bool> hasAny{false};
+FreeEntry* firstFree = nullptr;
+size_t numUsed = 0;                    // stand-ins that were ever created, without reused ones
+std::atomic<bool> hasAny{false};       // stays true
 
 } // namespace
 
@@ -29,7 +29,7 @@ bool hasStandIns() { return hasAny.load(std::memory_order_relaxed); }
 
 StandIn* newStandIn()
 {
-  static_assert(sizeof(StandIn) >= sizeof(Free), "StandIn must be large enough for an entry of the free list");
+  static_assert(sizeof(StandIn) >= sizeof(FreeEntry), "StandIn must be large enough for an entry of the free list");
   const std::lock_guard<std::mutex> lock(mutex);
   if (standInRange.size == 0) {
     void* const base = mmap(nullptr, maxStandIns*sizeof(StandIn), PROT_READ | PROT_WRITE,
@@ -50,9 +50,9 @@ StandIn* newStandIn()
 void deleteStandIn(StandIn* standIn)
 {
   const std::lock_guard<std::mutex> lock(mutex);
-  Free* const free = (Free*)standIn;
-  free->next = firstFree;
-  firstFree = free;
+  FreeEntry* const entry = (FreeEntry*)standIn;
+  entry->next = firstFree;
+  firstFree = entry;
 }
 
 } // namespace interposer

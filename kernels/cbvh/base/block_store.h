@@ -38,16 +38,17 @@ namespace embree
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! Returns room for the next block, up to maxBytes. The pointer is valid until the next call of a member. */
-      uint8_t* begin (size_t maxBytes)
+      /*! Returns space for the next block, of up to maxBytes. Valid until the next call of reserve(), add() or flush().
+       *  The block is discarded unless commit() follows. */
+      uint8_t* reserve (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
         return bytes.data()+used;
       }
 
-      /*! Keeps the block that was written to the room of begin(). type: see primitive_type.h. readPast: bytes after the
-       *  block that decoders may read. */
-      void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
+      /*! Keeps the block of `size` bytes that was written to the space of the last reserve(). type: see
+       *  primitive_type.h. readPast: bytes after the block that decoders may read. */
+      void commit (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
       {
         waiting.push_back(Waiting{ used,bounds,type,readPast });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
@@ -56,8 +57,8 @@ namespace embree
       /*! Copies a block to the buffer. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
-        memcpy(begin(size),block,size);
-        end(size,bounds,type);
+        memcpy(reserve(size),block,size);
+        commit(size,bounds,type);
       }
 
       /*! Writers call it after each patch. flush() must be called after the last one. */

@@ -70,9 +70,9 @@ namespace embree
       /*! Returns false if callers need not compute u, v and Ng of a hit, because nothing reads them: an any-hit query
        *  passes them to filter functions only. */
       template<typename Rays>
-      __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
+      __forceinline bool needsHitData (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>
-      __forceinline bool isRead (const RayK<K>&, const IntersectContext* context, uint32_t surface) {
+      __forceinline bool needsHitData (const RayK<K>&, const IntersectContext* context, uint32_t surface) {
         return unlikely(context->hasContextFilter()
                         || context->scene->get(idOf(context,surface))->hasOcclusionFilter());
       }

@@ -98,7 +98,7 @@ namespace embree
           switch (plan.storage(patch.rate)) {
           case CompressionPlan::GRID:
             store.flush();
-            grids.write(patch.ofEmbree());
+            grids.write(patch.embreePatch());
             if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
           case CompressionPlan::FRAMED:

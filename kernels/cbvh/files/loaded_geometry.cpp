@@ -7,7 +7,7 @@
 
 namespace embree
 {
-  const char* const LoadedGeometry::rejectionReason =
+  const char* const LoadedGeometry::noInputMessage =
     "the geometry was loaded from a file: its compressed blocks can be traced, but it has no vertices, faces or "
     "indices to read, interpolate or change";
 
@@ -35,7 +35,7 @@ namespace embree
     LoadedGeometry::commit();
   }
 
-  void LoadedGeometry::rejectChange () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,rejectionReason); }
+  void LoadedGeometry::rejectAccess () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,noInputMessage); }
 
   void LoadedGeometry::commit ()
   {
@@ -55,6 +55,6 @@ namespace embree
   }
 
   void LoadedGeometry::setNumTimeSteps (unsigned numTimeSteps) {
-    if (numTimeSteps != this->numTimeSteps) rejectChange();
+    if (numTimeSteps != this->numTimeSteps) rejectAccess();
   }
 }

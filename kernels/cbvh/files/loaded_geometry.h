@@ -15,7 +15,7 @@ namespace embree
   class LoadedGeometry : public CompressibleGeometry
   {
   public:
-    static const char* const rejectionReason; //!< message of these errors
+    static const char* const noInputMessage; //!< message of errors of these functions
 
     LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                     const std::shared_ptr<const SurfaceBlocks>& blocks);
@@ -24,35 +24,37 @@ namespace embree
     void setMask (unsigned mask) override;
     void addElementsToCount (GeometryCounts& counts) const override { addToCount(counts); }
 
-    void setNumPrimitives (unsigned) override { rejectChange(); }
+    void setNumPrimitives (unsigned) override { rejectAccess(); }
     void setNumTimeSteps (unsigned numTimeSteps) override;
-    void updateBuffer (RTCBufferType, unsigned) override { rejectChange(); }
+    void updateBuffer (RTCBufferType, unsigned) override { rejectAccess(); }
     void setBuffer (RTCBufferType, unsigned, RTCFormat, const Ref<Buffer>&, size_t, size_t, unsigned) override {
-      rejectChange();
+      rejectAccess();
     }
-    void* getBuffer (RTCBufferType, unsigned) override { rejectChange(); }
-    void setVertexAttributeCount (unsigned) override { rejectChange(); }
-    void setTopologyCount (unsigned) override { rejectChange(); }
-    void setVertexAttributeTopology (unsigned, unsigned) override { rejectChange(); }
-    void setTessellationRate (float) override { rejectChange(); }
-    void setSubdivisionMode (unsigned, RTCSubdivisionMode) override { rejectChange(); }
-    void setDisplacementFunction (RTCDisplacementFunctionN) override { rejectChange(); }
-    void interpolate (const RTCInterpolateArguments*) override { rejectChange(); }
-    void interpolateN (const RTCInterpolateNArguments*) override { rejectChange(); }
-    unsigned getFirstHalfEdge (unsigned) override { rejectChange(); }
-    unsigned getFace (unsigned) override { rejectChange(); }
-    unsigned getNextHalfEdge (unsigned) override { rejectChange(); }
-    unsigned getPreviousHalfEdge (unsigned) override { rejectChange(); }
-    unsigned getOppositeHalfEdge (unsigned, unsigned) override { rejectChange(); }
+    void* getBuffer (RTCBufferType, unsigned) override { rejectAccess(); }
+    void setVertexAttributeCount (unsigned) override { rejectAccess(); }
+    void setTopologyCount (unsigned) override { rejectAccess(); }
+    void setVertexAttributeTopology (unsigned, unsigned) override { rejectAccess(); }
+    void setTessellationRate (float) override { rejectAccess(); }
+    void setSubdivisionMode (unsigned, RTCSubdivisionMode) override { rejectAccess(); }
+    void setDisplacementFunction (RTCDisplacementFunctionN) override { rejectAccess(); }
+    void interpolate (const RTCInterpolateArguments*) override { rejectAccess(); }
+    void interpolateN (const RTCInterpolateNArguments*) override { rejectAccess(); }
+    unsigned getFirstHalfEdge (unsigned) override { rejectAccess(); }
+    unsigned getFace (unsigned) override { rejectAccess(); }
+    unsigned getNextHalfEdge (unsigned) override { rejectAccess(); }
+    unsigned getPreviousHalfEdge (unsigned) override { rejectAccess(); }
+    unsigned getOppositeHalfEdge (unsigned, unsigned) override { rejectAccess(); }
 
   private:
-    [[noreturn]] static void rejectChange ();
+    /*! Throws the error of functions that need the input. */
+    [[noreturn]] static void rejectAccess ();
 
     const BBox1f ownTimes; //!< times of the first and last step
   };
 
+  /*! Throws if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::rejectionReason);
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::noInputMessage);
   }
 }

@@ -72,7 +72,7 @@ namespace embree
             const BlockForm form = formOfBlock(typeOf(type));
             if (const Reason reason = mapped.validate(size_t(offset),form))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-            mapped.number(size_t(offset),form);
+            mapped.setSurfaceNumber(size_t(offset),form);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
           if (type == FILE_FRAMED)

@@ -196,7 +196,7 @@ namespace embree
       return surface == record.surface || surface == surfaceNumber;
     }
 
-    void MappedBlocks::number (size_t offset, BlockForm form) const
+    void MappedBlocks::setSurfaceNumber (size_t offset, BlockForm form) const
     {
       /* Several threads may check a block. One of them writes before any of them marks the block. */
       uint32_t expected = record.surface;
@@ -214,7 +214,7 @@ namespace embree
         }
         return false;
       }
-      number(offset,form);
+      setSurfaceNumber(offset,form);
       validBlocks[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that other blocks are never
- * read from disk. Whatever the bytes of a good block are, decoders and traversal stay inside of it, and hits report
- * existing primitives. */
+ * read from disk. Decoders and traversal stay inside of every block that passes the check, and its hits report existing
+ * primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -32,7 +32,7 @@ namespace embree
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! offset: from the first block, in bytes. */
+      /*! Returns the first error in a block. offset: from the first block, in bytes. */
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
       /*! True if a block may be decoded. Reports the first damaged block to the device. */
@@ -44,13 +44,14 @@ namespace embree
       }
 
       /*! Writes the surface number into a block that has another. */
-      void number (size_t offset, BlockForm form) const;
+      void setSurfaceNumber (size_t offset, BlockForm form) const;
 
       const char* first () const { return begin; }
 
     private:
       friend class MappedBlockRegistry;
 
+      /*! Validates a block and marks it as valid, or reports the damage. */
       bool check (size_t offset, BlockForm form) const;
       AtomicRef<uint32_t> surfaceOf (size_t offset, BlockForm form) const;
       bool isOwnSurface (size_t offset, BlockForm form) const;

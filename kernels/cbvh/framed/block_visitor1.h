@@ -36,7 +36,8 @@ namespace embree
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
           : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay),
             tiles(tiles),
-            sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
+            sBest(ray.tfar < state.tfar ? min(local.parameterAfter(state.rcpScale,ray.tfar),1.0f) : 1.0f),
+            isHit(false) {}
 
         /* For BlockWalk1; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
@@ -63,7 +64,7 @@ namespace embree
           const float own = segment.distanceAt(at.s), t = segment.comparedT(own);
           if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
-            if (isRead(ray,context,block->surface)) {
+            if (needsHitData(ray,context,block->surface)) {
               const BlockHit<float> found = HitFrame<float,bool>(block,layout).blockHit(segment,leaf,at,own);
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }

@@ -41,7 +41,8 @@ namespace embree
             tiles(tiles), sBest(1.0f), open(valid), isHit(false)
         {
           const vbool<K> nearer = valid & (rays.tfar < state.tfar);
-          if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
+          if (any(nearer))
+            sBest = select(nearer,min(frameRays.parameterAfter(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
         /* For BlockWalkK; only cLEAF overrides them. */

@@ -51,7 +51,7 @@ namespace embree
 
         __forceinline void run (const vbool<K>& lanes)
         {
-          const uint32_t x = uint32_t(movemask(rays.down[0])), y = uint32_t(movemask(rays.down[1]));
+          const uint32_t x = uint32_t(movemask(rays.descends[0])), y = uint32_t(movemask(rays.descends[1]));
           for (uint32_t rest=uint32_t(movemask(lanes)); rest;)
           {
             const uint32_t k = uint32_t(bsf(rest));
@@ -115,7 +115,7 @@ namespace embree
           const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
           if (Visitor::countsPassed) {
             const vbool<K> passed = andn(active,hit) & visitor.needsPassedBoxes();
-            if (any(passed)) visitor.passBoxes(box.isAbove(rays.down[2]),passed);
+            if (any(passed)) visitor.passBoxes(box.isAbove(rays.descends[2]),passed);
           }
           return hit;
         }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* local_ray4.h and frame_ray.h with a ray of a packet per lane. Computes the same bits. Inactive lanes are
- * undefined. */
+/* RayState and LocalRay (local_ray4.h) and FrameRay (frame_ray.h) for packets, with a ray per lane. Results are equal
+ * to the bit. Lanes of inactive rays are undefined. */
 
 #include "frame_ray.h"
 
@@ -57,7 +57,7 @@ namespace embree
         vfloat<K> P[3], D[3];                   //!< see FrameRay
         vfloat<K> Pnear[3], Pfar[3], rcpD[3];
         vfloat<K> epsilonZ;
-        vbool<K> down[3];
+        vbool<K> descends[3];
         vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
@@ -107,13 +107,13 @@ namespace embree
           return intersects & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
-        /*! See LocalRay::behind. */
-        __forceinline vfloat<K> behind (const vfloat<K>& rcpScale, const vfloat<K>& t) const
+        /*! See LocalRay::parameterAfter. */
+        __forceinline vfloat<K> parameterAfter (const vfloat<K>& rcpScale, const vfloat<K>& t) const
         {
           const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
           return select(at < t1,tw/(product(w0,vfloat<K>(1.0f)-tau) + tw),vfloat<K>(1.0f)) + vfloat<K>(slackOfS);
         }
-        __forceinline float behind (size_t k, float rcpScale, float t) const {
+        __forceinline float parameterAfter (size_t k, float rcpScale, float t) const {
           return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS;
         }
 
@@ -132,12 +132,12 @@ namespace embree
         {
           P[k] = from;
           D[k] = to - from;
-          down[k] = D[k] < vfloat<K>(zero);
-          const vfloat<K> outwards = select(down[k],-epsilon,epsilon);
+          descends[k] = D[k] < vfloat<K>(zero);
+          const vfloat<K> outwards = select(descends[k],-epsilon,epsilon);
           Pnear[k] = from + outwards;
           Pfar[k] = from - outwards;
           const vfloat<K> away = vfloat<K>(1.0f)/max(abs(D[k]),vfloat<K>(1e-18f));
-          rcpD[k] = select(down[k],-away,away);
+          rcpD[k] = select(descends[k],-away,away);
           if (k == 2) epsilonZ = epsilon;
         }
       };
@@ -157,16 +157,17 @@ namespace embree
             (vfloat<K>(c.at[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
           leaveXY = min((vfloat<K>(c.at[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],
             (vfloat<K>(c.at[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
-          enterZ = (select(rays.down[2],highest,lowest)-rays.Pnear[2])*rays.rcpD[2];
-          leaveZ = (select(rays.down[2],lowest,highest)-rays.Pfar[2])*rays.rcpD[2];
+          enterZ = (select(rays.descends[2],highest,lowest)-rays.Pnear[2])*rays.rcpD[2];
+          leaveZ = (select(rays.descends[2],lowest,highest)-rays.Pfar[2])*rays.rcpD[2];
           sNear = max(enterXY,enterZ);
           sFar = min(leaveXY,leaveZ);
         }
 
-        /*! Rays whose segment up to sBest intersects the box, or overlaps it in x and y. */
+        /*! Rays whose segment up to sBest intersects the box. */
         __forceinline vbool<K> intersects (const vfloat<K>& sBest) const {
           return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest);
         }
+        /*! Rays whose segment up to sBest passes through the box, over it or under it. */
         __forceinline vbool<K> overlapsXY (const vfloat<K>& sBest) const {
           return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
         }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* framed_rays1.h for packets. traversal/no_framed_raysK.h replaces this file. */
+/* framed_rays1.h for packets. A build without the paper's representations uses traversal/no_framed_raysK.h instead. */
 
 #include "block_intersectorK.h"
 
@@ -19,6 +19,7 @@ namespace embree
       public:
         __forceinline explicit FramedRaysK (const vfloat<K>& tfar) : state(tfar) {}
 
+        /*! t: where the rays enter the next block's bounds. */
         __forceinline void setEnter (const vfloat<K>& t) { state.enter = t; }
 
         /*! Returns the rays that accepted a hit. */
@@ -37,7 +38,7 @@ namespace embree
           }
         }
 
-        /*! Call it after the traversal. */
+        /*! Sets the final tfar of rays. Must be called after the traversal. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
 
       private:

@@ -118,7 +118,7 @@ namespace embree
         }
 
         /*! s at or after world parameter t, with slack for rounding. */
-        __forceinline float behind (float rcpScale, float t) const {
+        __forceinline float parameterAfter (float rcpScale, float t) const {
           return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
         }
 

@@ -186,7 +186,7 @@ namespace embree
         if (refused && finite == count && !isStitched) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
           ofPatch.refusedInGrid += size_t(quads)*size_t(quads);
-          grids.write(patch.ofEmbree(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
+          grids.write(patch.embreePatch(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
           return;
         }
         if (!fits) { countAsInvalid(e,ofPatch); return; }

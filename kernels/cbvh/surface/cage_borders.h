@@ -110,7 +110,7 @@ namespace embree
       void forEachShared (size_t f, const Closure& closure) const
       {
         topology.forEachEdge(f,[&](const HalfEdge* h) {
-            const CageTopology::Edge& edge = topology.at(h);
+            const CageTopology::HalfEdgeData& edge = topology.at(h);
             closure(cornerElement(edge),edge.isTracedByGrid);
             closure(edgeElement(edge),edge.isTracedByGrid);
           });
@@ -121,8 +121,8 @@ namespace embree
       static const size_t fewVertices = 9*9;  //!< in patches whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
-      static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
-      static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
+      static size_t cornerElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.cornerOwner); }
+      static size_t edgeElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* Points of a half-edge: its corner and edge if it owns them, then its spoke. The center follows the face's last
        * half-edge. */
@@ -224,13 +224,13 @@ namespace embree
 
       SharedVertex corner (const HalfEdge* h, unsigned step) const
       {
-        const CageTopology::Edge& edge = topology.at(h);
+        const CageTopology::HalfEdgeData& edge = topology.at(h);
         return SharedVertex(point(cornerPoint(edge.cornerOwner),step),lattices.ofShared(cornerElement(edge),step));
       }
 
       CageSide edgeOf (const HalfEdge* h, unsigned step) const
       {
-        const CageTopology::Edge& edge = topology.at(h);
+        const CageTopology::HalfEdgeData& edge = topology.at(h);
         CageSide side;
         side.begin = corner(h,step);
         side.end = corner(h->next(),step);

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A face of a cage as a patch (source.h). */
+/* A patch of a cage: a face with four corners, or the part of another face at one of its corners. source.h describes
+ * the members. */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -49,8 +50,8 @@ namespace embree
 
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! For patches that GRID traces. */
-      const SubdivPatch1Base& ofEmbree () const { return base; }
+      /*! Embree's form of the patch, for patches that GRID traces. */
+      const SubdivPatch1Base& embreePatch () const { return base; }
 
     private:
       SubdivMesh* mesh;

@@ -16,8 +16,8 @@ namespace embree
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
       bool reversed;              //!< the side runs against the owner's direction
-      int exponent;               //!< exponent of the interior's lattice
-      unsigned rate;
+      int exponent;               //!< the spacing of the interior's lattice is 2^exponent
+      unsigned rate;              //!< quads along the side
 
       /*! k: 0 to rate, counted around the patch. */
       SharedVertex operator[] (unsigned k) const

@@ -30,8 +30,8 @@ namespace embree
     class CageTopology
     {
     public:
-      /*! Data of a half-edge. Its corner is the vertex where it begins. */
-      struct Edge
+      /*! Rates and owners of a half-edge. Its corner is the vertex where it begins. */
+      struct HalfEdgeData
       {
         unsigned ownRate;      //!< rate that the half-edge's face evaluates; noRate if the face does not participate
         unsigned rate;         //!< rate of the stored edge, the lowest of its faces
@@ -41,26 +41,26 @@ namespace embree
       };
 
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
+        : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
       /*! Fills all half-edges. Regularly calls progress(), which may throw to cancel. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
-        cbvh::resizeToFit(edges,countHalfEdges());
+        cbvh::resizeToFit(halfEdges,countHalfEdges());
         forFaces(facesPerTask,progress,[&](size_t f) { findRates(f); });
         forFaces(facesPerTask,progress,[&](size_t f) { findOwners(f); });
         joinNonManifold();
       }
 
-      size_t numHalfEdges () const { return edges.size(); }
+      size_t numHalfEdges () const { return halfEdges.size(); }
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
-      const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
-      const Edge& at (uint32_t i) const { return edges[i]; }
+      const HalfEdgeData& at (const HalfEdge* h) const { return halfEdges[indexOf(h)]; }
+      const HalfEdgeData& at (uint32_t i) const { return halfEdges[i]; }
       bool participates (size_t f) const { return hasEdges(mesh,f) && participates(mesh->getHalfEdge(0,f)); }
-      bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
-      bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
+      bool ownsCorner (uint32_t i) const { return halfEdges[i].cornerOwner == i; }
+      bool ownsEdge (uint32_t i) const { return halfEdges[i].owner == i; }
 
       /*! Calls closure for each half-edge of a face, or not at all if the face does not participate. */
       template<typename Closure>
@@ -93,7 +93,7 @@ namespace embree
         return 0;
       }
 
-      Edge& edge (const HalfEdge* h) { return edges[indexOf(h)]; }
+      HalfEdgeData& dataOf (const HalfEdge* h) { return halfEdges[indexOf(h)]; }
       bool participates (const HalfEdge* h) const { return at(h).ownRate != noRate; }
 
       void findRates (size_t f)
@@ -101,16 +101,16 @@ namespace embree
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = mesh->faceVertices[f];
-        for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
+        for (unsigned i=0; i<n; i++) dataOf(h+i) = HalfEdgeData();
         if (!hasSurface(mesh,f)) return;
         bool isTracedByGrid = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             isTracedByGrid |= plan.storage(patch.rate) == CompressionPlan::GRID;
             for (unsigned s=0; s<4; s++)
-              if (n == 4) edge(h+s).ownRate = unsigned(patch.rate[s]);
-              else if (s == 0) edge(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
+              if (n == 4) dataOf(h+s).ownRate = unsigned(patch.rate[s]);
+              else if (s == 0) dataOf(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
           });
-        for (unsigned i=0; i<n; i++) edge(h+i).isTracedByGrid = isTracedByGrid;
+        for (unsigned i=0; i<n; i++) dataOf(h+i).isTracedByGrid = isTracedByGrid;
       }
 
       uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,at(h).ownRate,indexOf(h)); }
@@ -120,17 +120,17 @@ namespace embree
       void findOwners (size_t f)
       {
         forEachEdge(f,[&](const HalfEdge* e) {
-            Edge& topologyEdge = edge(e);
+            HalfEdgeData& own = dataOf(e);
             uint64_t claim = edgeClaim(e);
-            topologyEdge.rate = topologyEdge.ownRate;
+            own.rate = own.ownRate;
             if (e->hasOpposite() && participates(e->opposite())) {
               claim = min(claim,edgeClaim(e->opposite()));
-              topologyEdge.rate = min(topologyEdge.ownRate,at(e->opposite()).ownRate);
+              own.rate = min(own.ownRate,at(e->opposite()).ownRate);
             }
-            topologyEdge.owner = ownerOf(claim);
+            own.owner = ownerOf(claim);
             claim = cornerClaim(e);
             forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
-            topologyEdge.cornerOwner = ownerOf(claim);
+            own.cornerOwner = ownerOf(claim);
           });
       }
 
@@ -156,8 +156,8 @@ namespace embree
       void joinNonManifold ()
       {
         std::vector<KeyedEdge> borders;
-        for (uint32_t i=0; i<edges.size(); i++)
-          if (edges[i].ownRate != noRate && !first[i].hasOpposite())
+        for (uint32_t i=0; i<halfEdges.size(); i++)
+          if (halfEdges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
         std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
@@ -171,10 +171,10 @@ namespace embree
               owners[h->getStartVertexIndex()].insert(at(h).cornerOwner);
         }
         if (owners.empty()) return;
-        for (uint32_t i=0; i<edges.size(); i++) {
+        for (uint32_t i=0; i<halfEdges.size(); i++) {
           const auto found = owners.find(first[i].getStartVertexIndex());
-          if (edges[i].ownRate == noRate || found == owners.end()) continue;
-          uint32_t& owner = edges[i].cornerOwner;
+          if (halfEdges[i].ownRate == noRate || found == owners.end()) continue;
+          uint32_t& owner = halfEdges[i].cornerOwner;
           if (found->second.count(owner)) owner = *found->second.begin();
         }
       }
@@ -182,17 +182,18 @@ namespace embree
       void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
       {
         uint64_t claim = ~uint64_t(0);
-        for (const KeyedEdge* i=begin; i<end; i++) claim = min(claim,claimOf(false,edges[i->second].ownRate,i->second));
+        for (const KeyedEdge* i=begin; i<end; i++)
+          claim = min(claim,claimOf(false,halfEdges[i->second].ownRate,i->second));
         for (const KeyedEdge* i=begin; i<end; i++) {
-          edges[i->second].owner = ownerOf(claim);
-          edges[i->second].rate = edges[ownerOf(claim)].ownRate;
+          halfEdges[i->second].owner = ownerOf(claim);
+          halfEdges[i->second].rate = halfEdges[ownerOf(claim)].ownRate;
         }
       }
 
       const SubdivMesh* const mesh;
       const CompressionPlan& plan;
       const HalfEdge* const first;
-      mvector<Edge> edges; //!< by half-edge
+      mvector<HalfEdgeData> halfEdges; //!< by half-edge
     };
   }
 }

@@ -18,7 +18,7 @@ namespace embree
     static const double coarseSpacing = 0.5;
 
     /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge:
-     *  means over a geometry's primitives. */
+     *  the lattice's spacing and the median edge, as means over a geometry's primitives. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

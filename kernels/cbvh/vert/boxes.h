@@ -133,7 +133,7 @@ namespace embree
             form = begin->boxForm;
             set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginReachStep(form),begin->reach);
           }
-          set(ends[1],end->origin,spacingOf(end->word,end->corners),endReachStep(end->turned),end->endReach);
+          set(ends[1],end->origin,spacingOf(end->word,end->corners),endReachStep(end->rotation),end->endReach);
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 

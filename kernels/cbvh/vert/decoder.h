@@ -83,7 +83,7 @@ namespace embree
             out.words,out.fields);
         }
 
-        /*! In world space. boxes: of this block. */
+        /*! Decodes the vertices of a group, in world space. boxes: of this block. */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
@@ -99,6 +99,7 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
+        /*! Converts coordinates, which are integers of up to 16 bits, to the packed form of the cache. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)

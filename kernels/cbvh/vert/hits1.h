@@ -46,9 +46,8 @@ namespace embree
         return triangle.sides(ray);
       }
 
-      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), true if the hit is accepted; isRead(block),
-       *  false if the caller does not read the hit's data; ids(), the scene's surface IDs. Cached: as in
-       *  intersector1.h. */
+      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), true if the hit is accepted;
+       *  needsHitData(block), see epilogues.h; ids(), the scene's surface IDs. Cached: as in intersector1.h. */
       template<typename Target, typename Cached>
       class VertHits
       {
@@ -63,7 +62,7 @@ namespace embree
         __forceinline bool report (uint32_t g, const Triangles& triangles)
         {
           const uint32_t mask = triangles.mask;
-          if (!target.isRead(block)) return reportAny(g,triangles);
+          if (!target.needsHitData(block)) return reportAny(g,triangles);
           if (likely((mask & (mask-1)) == 0))
           {
             const uint32_t h = uint32_t(bsf(mask));
@@ -127,7 +126,7 @@ namespace embree
           t = float(exact);
           const float tfar = target.tfar();
           const uint32_t place = placeOfHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
-          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.yieldsTo(block,number,target.ids()));
+          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.losesTieTo(block,number,target.ids()));
         }
 
         __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t,

@@ -28,7 +28,9 @@ namespace embree
         __forceinline float tnear () const { return rays.tnear()[k]; }
         __forceinline float tfar () const { return rays.tfar[k]; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
-        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->surface); }
+        __forceinline bool needsHitData (const VertHeader* block) const {
+          return cbvh::needsHitData(rays,context,block->surface);
+        }
         __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const {
           return cbvh::report(rays,k,context,block->surface,primID,hit);
         }
@@ -156,7 +158,7 @@ namespace embree
             float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(batch,kz);
           const vfloat<K> tfar = rays.tfar;
-          if (!isRead(rays,context,block->surface))
+          if (!needsHitData(rays,context,block->surface))
           {
             const uint32_t clear = mask & uint32_t(movemask(areCertain(sides)))
               & batch.between(vertRays,kz,rays.tnear(),tfar);

@@ -24,7 +24,9 @@ namespace embree
         __forceinline float tnear () const { return ray.tnear(); }
         __forceinline float tfar () const { return ray.tfar; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
-        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->surface); }
+        __forceinline bool needsHitData (const VertHeader* block) const {
+          return cbvh::needsHitData(ray,context,block->surface);
+        }
         __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const {
           return cbvh::report(ray,context,block->surface,primID,hit);
         }

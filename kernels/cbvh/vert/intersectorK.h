@@ -28,8 +28,8 @@ namespace embree
         }
 
       private:
-        /*! up to so many rays, triangles are tested ray by ray */
-        static const size_t few = vectorWidth == K ? 3 : 2;
+        /*! Up to so many rays test the triangles of a group one after the other. */
+        static const size_t maxSeparateRays = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
                                         const VertHeader* block)
@@ -100,13 +100,14 @@ namespace embree
           }
         };
 
-        void intersectTogether (uint32_t same, uint32_t form)
+        /*! Intersects the block with the rays of a mask, which have the same form. form: see VertRays; bit 5: sign of
+         *  the direction along the sheared axis. */
+        void intersectTogether (uint32_t mask, uint32_t form)
         {
-          vbool<K> lanes = vbool<K>(int(same));
+          vbool<K> lanes = vbool<K>(int(mask));
           const VertBoxes& boxes = cached.boxes();
-          const int m = boxes.axis;
           for (int k=0; k<3; k++) {
-            if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
+            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
               boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
@@ -114,9 +115,9 @@ namespace embree
           while (open)
           {
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
-            const vbool<K> met = lanes & intersectBox(cached.boxes(),g);
-            if (none(met)) continue;
-            const uint32_t accepted = intersectGroup(uint32_t(movemask(met)),form & 3u,g);
+            const vbool<K> entering = lanes & intersectBox(cached.boxes(),g);
+            if (none(entering)) continue;
+            const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),form & 3u,g);
             found |= accepted;
             if (IsAnyHit<Rays>::value && accepted) {
               lanes = andn(lanes,vbool<K>(int(accepted)));
@@ -157,7 +158,7 @@ namespace embree
         __forceinline uint32_t intersectGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);
-          if (popcnt(mask) <= few) {
+          if (popcnt(mask) <= maxSeparateRays) {
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
@@ -178,7 +179,7 @@ namespace embree
         const CachedVertBlock cached;
         ShearedRay<vfloat<K>> sheared;
         Axis axes[3];
-        uint32_t found;
+        uint32_t found; //!< rays that accepted a hit
         alignas(64) float enter[16]; //!< lower bound of entry distances, by the group's lane
       };
     }

@@ -88,8 +88,8 @@ namespace embree
         for (uint32_t i=0; i<count; i++)
           for (const float (&p)[3] : blockTriangles[i].corners) bounds.extend(p[0],p[1],p[2]);
         if (from.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
-        memcpy(store.begin(bytes),block,bytes);
-        store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);
+        memcpy(store.reserve(bytes),block,bytes);
+        store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);
         store.hitBounds.extend(bounds);
         addBlock(*(const cbvh::MeshHeader*)block,bytes,statistics);
       }

@@ -30,15 +30,15 @@ namespace embree
         __forceinline RotatedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
           : base(base), first(first)
         {
-          const float unit = 1.0f/float(1u << rotationShift(step.turned));
-          for (uint32_t i=0; i<9; i++) turn[i] = float(rotationEntry(step,i))*unit;
+          const float unit = 1.0f/float(1u << rotationShift(step.rotation));
+          for (uint32_t i=0; i<9; i++) matrix[i] = float(rotationEntry(step,i))*unit;
         }
 
         /*! Exact, fused or not: numbers have at most 24 bits. */
         __forceinline vfloatV at (int axis, int vector) const
         {
           const int l = vectorWidth*vector;
-          const float* row = turn + 3*axis;
+          const float* row = matrix + 3*axis;
           const vfloatV sum =
             madd(vfloatV(row[0]),vfloatV::load(first.at[0]+l),
               madd(vfloatV(row[1]),vfloatV::load(first.at[1]+l),
@@ -50,7 +50,7 @@ namespace embree
       private:
         const CellBase base;
         const CellVertices& first;
-        float turn[9];
+        float matrix[9];
       };
 
       class MotionDecoder
@@ -114,12 +114,12 @@ namespace embree
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
             const WorldOfCell world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
-            const bool turns = isGroupRotated(step,gy*layout.groupsX+gx);
-            if (turns && !hasFirst) {
+            const bool isRotated = isGroupRotated(step,gy*layout.groupsX+gx);
+            if (isRotated && !hasFirst) {
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
-            if (turns) decodeCell(cells.words[lane],fields,RotatedBase(base,laterOf(step),first),world);
+            if (isRotated) decodeCell(cells.words[lane],fields,RotatedBase(base,laterOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
             if (unlikely(step.remainders != 0))
               addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);

@@ -72,8 +72,8 @@ namespace embree
         }
         cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
         if (from.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
-        memcpy(store.begin(bytes),header,bytes);
-        store.end(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::readPastVert);
+        memcpy(store.reserve(bytes),header,bytes);
+        store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::readPastVert);
         store.hitBounds.extend(bounds);
         MeshWriter::addBlock(*header,bytes,statistics);
       }

@@ -47,8 +47,8 @@ namespace embree
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
-        /*! For a hit at the same distance. */
-        __forceinline bool yieldsTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
+        /*! True if the other triangle, hit at the same distance, takes precedence over this hit. */
+        __forceinline bool losesTieTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return hasPrecedence(keyOf(other,otherTriangle,ids),keyOf(block,triangle,ids));
         }
 

@@ -121,7 +121,7 @@ namespace embree
       {
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
         cbvh::VertStatistics block;
-        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
+        uint8_t* const bytes = store.reserve(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
         const size_t size = encoder.encode(at,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
@@ -140,7 +140,7 @@ namespace embree
         if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
         uint8_t* const bytes =
-          store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
+          store.reserve(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
         const size_t firstBox = store.boxes.size();
         movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
@@ -190,7 +190,7 @@ namespace embree
         if (patch.numbers)
           addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
-        store.end(size,toBBox(bounds),type,cbvh::readPastVert);
+        store.commit(size,toBBox(bounds),type,cbvh::readPastVert);
       }
 
       /*! bytes: without padding */

@@ -91,11 +91,12 @@ CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uin
 /*! Applies a later step's matrix to a residual of the first step. */
 CBVH_FUNCTION Int3 rotatedByStep (CVERT_IN(StepView) step, Int3 r)
 {
-  uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1];
-  uint32_t shift = rotationShift(step.turned);
+  uint32_t a = CVERT_AT(VertStep,step.data).matrix[0], b = CVERT_AT(VertStep,step.data).matrix[1];
+  uint32_t shift = rotationShift(step.rotation);
   return Int3(rotatedResidual(rotationEntry(a,0u),rotationEntry(a,1u),rotationEntry(a,2u),r.x,r.y,r.z,shift),
               rotatedResidual(rotationEntry(a,3u),rotationEntry(b,0u),rotationEntry(b,1u),r.x,r.y,r.z,shift),
-              rotatedResidual(rotationEntry(b,2u),rotationEntry(b,3u),rotationEntry(step.turned,3u),r.x,r.y,r.z,shift));
+              rotatedResidual(rotationEntry(b,2u),rotationEntry(b,3u),rotationEntry(step.rotation,3u),r.x,r.y,r.z,
+                              shift));
 }
 
 /* --- coordinates ----------------------------------------------------------------------- */

@@ -84,10 +84,10 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
         auto corner = [&](uint32_t c) { return corners[cornerOfGroup(g,c)]; };
         const CodedCell cell = cellOfGroup(view,block->region,gx,gy,at,corner(0),corner(1),corner(2),corner(3));
-        FirstFields turns = { isGroupRotated(view,g),0,0 };
-        if (turns.isRotated) turns = FirstFields{ true,wordOfGroup(first,g),fieldsOfGroup(first,g) };
+        FirstFields rotation = { isGroupRotated(view,g),0,0 };
+        if (rotation.isRotated) rotation = FirstFields{ true,wordOfGroup(first,g),fieldsOfGroup(first,g) };
         Int3 group[cellVertices];
-        decodeCell(cell,turns,group);
+        decodeCell(cell,rotation,group);
         for (uint32_t j=0; j<=uint32_t(cell.quadsY); j++)
           for (uint32_t i=0; i<=uint32_t(cell.quadsX); i++) {
             const uint32_t vertex = vertexOfGroup(block->region,gx,gy,i,j);

@@ -37,6 +37,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Size of the step. */
     uint32_t bytes () const { return (layout.fields + (fieldBegin[first.groups]+7)/8 + 3) & ~3u; }
 
+    /*! Decodes a vertex. v: number in the block. */
     void vertex (uint32_t v, float out[3]) const
     {
       float p[3];
@@ -51,6 +52,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
+    /*! Decodes the box of a group. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -67,7 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Modulo 2^32. */
+    /*! Base of the coordinates of group g on axis k, modulo 2^32: it is added to predictions and fields. */
     uint32_t base (uint32_t g, uint32_t k) const
     {
       const uint32_t bits[3] = { stepBaseBits(step->form,0),stepBaseBits(step->form,1),stepBaseBits(step->form,2) };

@@ -18,7 +18,7 @@ struct StepView
   VertSpacing spacing;
   uint32_t form;            //!< boxForm of the step
   uint32_t word;            //!< word of the first cell
-  uint32_t turned;          //!< VertStep::turned; 0 at the first step
+  uint32_t rotation;        //!< VertStep::rotation; 0 at the first step
   uint32_t remainders;      //!< word of remainders; 0 if there are none
   bool hasHighBits;         //!< words of groups have upper bits
   uint32_t corners;         //!< offset of the words of corners, relative to data
@@ -45,7 +45,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   step.origin[2] = CVERT_AT(VertHeader,block).origin[2];
   step.form = CVERT_AT(VertHeader,block).boxForm;
   step.word = CVERT_AT(VertHeader,block).word;
-  step.turned = 0u;
+  step.rotation = 0u;
   step.hasHighBits = true;
   step.corners = vertCornersOffset;
   step.margins = offsets.margins;
@@ -68,7 +68,7 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   step.origin[2] = CVERT_AT(VertStep,later).origin[2];
   step.form = CVERT_AT(VertStep,later).boxForm;
   step.word = CVERT_AT(VertStep,later).word;
-  step.turned = CVERT_AT(VertStep,later).turned;
+  step.rotation = CVERT_AT(VertStep,later).rotation;
   step.hasHighBits = hasUpperBits(step.form);
   step.corners = stepCornersOffset;
   VertStepLayout offsets = vertStepLayout(region,step.form);
@@ -102,7 +102,7 @@ CBVH_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
 
 CBVH_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) { return step.isLater
   && isFirstCellRotated(step.form); }
-CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return areResidualsRotated(step.turned,g); }
+CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return areResidualsRotated(step.rotation,g); }
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
@@ -114,7 +114,7 @@ CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 
 /*! form: boxForm of the step at the segment's beginning. */
 CBVH_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
-  return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
+  return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.rotation),step.spacing);
 }
 
 CVERT_END

@@ -156,9 +156,9 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
       if (!isForm(step.boxForm))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
-      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellRotated(step.boxForm)))
+      if (isRaw(header.boxForm) && ((step.rotation & 65535u) || isFirstCellRotated(step.boxForm)))
         return Reason::damaged("a time step predicts residuals from the first step, which is raw");
-      if (((step.turned >> 16) & 7u) == 7u)
+      if (((step.rotation >> 16) & 7u) == 7u)
         return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
       if (bytes < at.cell)
         return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);

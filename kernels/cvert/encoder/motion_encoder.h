@@ -102,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
       marginsOfSegment = block+layout.margins;
       formOfSegment = &header.boxForm;
       reachOfSegment = &header.reach;
-      turns.setFirst(first,layout.groups);
+      rotation.setFirst(first,layout.groups);
     }
 
     void packStep (BlockVertices& now)
@@ -132,7 +132,7 @@ namespace cvert { inline namespace CVERT_ISA
         *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
           | shift << shiftAt;
         header.endReach = boxes.encodeReach(1,shift);
-        header.turned |= shift << 19;
+        header.rotation |= shift << 19;
       }
       wasRaw = !packed;
       marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).margins;
@@ -158,8 +158,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t g=0; g<=groups; g++)
         predict(now,g < groups ? g : firstCell);
       if (!isFirstRaw) {
-        turns.fit(own);
-        turns.write(header);
+        rotation.fit(own);
+        rotation.write(header);
       }
       // at an offset that depends on the words
       uint32_t words[maxVertGroups+1];
@@ -169,7 +169,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (!encodeCell(g,words[g],areRotated[g])) return false;
         if (i < groups) {
           haveSlopes |= (words[g] >> 14) != 0;
-          header.turned |= uint32_t(areRotated[g]) << g;
+          header.rotation |= uint32_t(areRotated[g]) << g;
         }
       }
       for (uint32_t g=0; g<groups; g++) statistics.rotatedGroups += areRotated[g];
@@ -202,30 +202,30 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! Chooses the residuals of a cell, in own[g], or their difference from the turned residuals of the first step.
+    /*! Chooses the residuals of a cell, in own[g], or their difference from the rotated residuals of the first step.
      *  Returns false if both have too many bits. */
-    bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
+    bool encodeCell (uint32_t g, uint32_t& word, bool& isRotated)
     {
-      turned = false;
+      isRotated = false;
       int bits = maxFieldBits*2;
       Residuals rest;
       if (!isFirstRaw) {
-        turns.subtract(first[g],own[g],rest);
+        rotation.subtract(first[g],own[g],rest);
         memcpy(cell.residuals,rest,sizeof(rest));
-        turned = cell.encodeNoise();
-        if (turned) { word = cell.word; bits = cellFieldBits(word); }
+        isRotated = cell.encodeNoise();
+        if (isRotated) { word = cell.word; bits = cellFieldBits(word); }
       }
       if (bits > maxUntriedBits) {
         memcpy(cell.residuals,own[g],sizeof(Residuals));
         if (cell.encode() && cellFieldBits(cell.word) < bits) {
           word = cell.word;
-          turned = false;
+          isRotated = false;
           memcpy(own[g],cell.residuals,sizeof(Residuals));
           return true;
         }
       }
-      if (turned) memcpy(own[g],rest,sizeof(rest));
-      return turned;
+      if (isRotated) memcpy(own[g],rest,sizeof(rest));
+      return isRotated;
     }
 
     uint8_t* write (uint32_t g, uint32_t word, uint8_t* out)
@@ -235,7 +235,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    //! Fields of up to so many bits are encoded as turned residuals without trying the others.
+    //! Fields of up to so many bits are encoded as rotated residuals without trying the others.
     static const int maxUntriedBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
@@ -249,6 +249,6 @@ namespace cvert { inline namespace CVERT_ISA
     std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< vertices of odd steps
     Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first and the current step
-    RotationFit turns;
+    RotationFit rotation;
   };
 }}

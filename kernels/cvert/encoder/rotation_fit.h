@@ -29,18 +29,18 @@ namespace cvert { inline namespace CVERT_ISA
     /*! later: of the same groups in another step */
     void fit (const int (*later)[3][paddedVertices])
     {
-      double s[3][3], turn[3][3], largest = 0;
+      double s[3][3], matrix[3][3], largest = 0;
       sum(later,s);
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++) {
-          turn[a][b] = s[a][0]*inverse[0][b] + s[a][1]*inverse[1][b] + s[a][2]*inverse[2][b];
-          largest = std::max(largest,std::fabs(turn[a][b]));
+          matrix[a][b] = s[a][0]*inverse[0][b] + s[a][1]*inverse[1][b] + s[a][2]*inverse[2][b];
+          largest = std::max(largest,std::fabs(matrix[a][b]));
         }
       scale = 0;
       while (scale < 6 && largest*(1 << (7-scale)) > 127.0) scale++;
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++)
-          entries[a][b] = int(std::floor(std::min(std::max(turn[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
+          entries[a][b] = int(std::floor(std::min(std::max(matrix[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
     }
 
     /*! Sets rest to `to` minus the transformed `from`. */
@@ -60,8 +60,8 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint32_t bytes[3] = { 0,0,0 };
       for (int i=0; i<9; i++) bytes[i/4] |= (uint32_t(entries[i/3][i%3]) & 255u) << (8*(i % 4));
-      step.turn[0] = bytes[0]; step.turn[1] = bytes[1];
-      step.turned = scale << 16 | bytes[2] << 24;
+      step.matrix[0] = bytes[0]; step.matrix[1] = bytes[1];
+      step.rotation = scale << 16 | bytes[2] << 24;
     }
 
   private:

@@ -34,7 +34,7 @@ namespace cvert
       return Reason();
     }
 
-    Reason validateMoves (const FileGeometry& record, bool moves)
+    Reason validateWhetherMoving (const FileGeometry& record, bool moves)
     {
       if (moves == (record.form == FILE_MOVING)) return Reason();
       return Reason::damaged(moves ? "it has time steps, but its geometry has none" : "it has no time steps");
@@ -76,7 +76,7 @@ namespace cvert
   {
     if (const Reason reason = validateVert(data,bytes)) return reason;
     const VertHeader* const block = (const VertHeader*)data;
-    if (const Reason reason = validateMoves(record,isMoving(block->boxForm))) return reason;
+    if (const Reason reason = validateWhetherMoving(record,isMoving(block->boxForm))) return reason;
     if (isMoving(block->boxForm))
       if (const Reason reason = validateMotion(record,motionOf(block))) return reason;
     return validatePrimitives(block,record.numPrimitives);
@@ -86,7 +86,7 @@ namespace cvert
   {
     if (const Reason reason = validateMesh(data,bytes)) return reason;
     const MeshHeader* const block = (const MeshHeader*)data;
-    if (const Reason reason = validateMoves(record,isMovingMesh(block))) return reason;
+    if (const Reason reason = validateWhetherMoving(record,isMovingMesh(block))) return reason;
     if (isMovingMesh(block))
       if (const Reason reason = validateMotion(record,motionOfMesh(block))) return reason;
     const MeshView view(block);

@@ -30,13 +30,13 @@ struct VertStep
 {
   float origin[3];        //!< as in VertHeader
   uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, 3 in bits 12..13 if the step is
-                          //!< raw; 24: has remainders; 25: the first cell is turned; 26: groups have upper bits of
+                          //!< raw; 24: has remainders; 25: the first cell is rotated; 26: groups have upper bits of
                           //!< words; 27: has margins; 28..31: shift of reach
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
-  uint32_t turned;        //!< bits 0..15: groups whose residuals are turned; 16..18: shift of the matrix; 19..22: shift
-                          //!< of endReach; 24..31: last entry of the matrix
-  uint32_t turn[2];       //!< other entries of the matrix, a byte each, row by row
+  uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: shift of the matrix; 19..22:
+                          //!< shift of endReach; 24..31: last entry of the matrix
+  uint32_t matrix[2];     //!< other entries of the matrix, a byte each, row by row
   uint32_t reach;         //!< at this step, as in VertHeader, in the shear of the segment that begins
   uint32_t endReach;      //!< at this step in the shear of the segment that ends
 };
@@ -44,15 +44,15 @@ CVERT_READABLE(VertStep,4)
 
 /* Units of bounds at a segment's beginning and end, see reachStep. */
 CBVH_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
-CBVH_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
+CBVH_FUNCTION uint32_t endReachStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
 CBVH_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
 CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
 CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
-CBVH_FUNCTION bool areResidualsRotated (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
+CBVH_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
 /*! 1 to 7; entries of the matrix are multiples of 2^-rotationShift */
-CBVH_FUNCTION uint32_t rotationShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }
+CBVH_FUNCTION uint32_t rotationShift (uint32_t rotation) { return 7u - ((rotation >> 16) & 7u); }
 
 /*! Signed byte 0 to 3 of a word of entries. */
 CBVH_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
@@ -124,7 +124,7 @@ CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 }
 
 CBVH_FUNCTION int rotationEntry (CVERT_IN(VertStep) step, uint32_t i) {
-  return i < 8u ? rotationEntry(step.turn[i >> 2],i & 3u) : rotationEntry(step.turned,3u);
+  return i < 8u ? rotationEntry(step.matrix[i >> 2],i & 3u) : rotationEntry(step.rotation,3u);
 }
 
 /*! Requires step >= 1. */

@@ -23,7 +23,7 @@ public:
   VulkanInstance(const VulkanInstance&) = delete;
   VulkanInstance& operator=(const VulkanInstance&) = delete;
 
-  std::vector<VkPhysicalDevice> devices() const;
+  std::vector<VkPhysicalDevice> devices() const; // in the order of rtcGetVulkanDevices
 
   PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
   VkInstance instance = VK_NULL_HANDLE;
@@ -40,21 +40,21 @@ struct Capabilities
   bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
   size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures
   uint64_t maxBoxes = 0, maxInstances = 0;
-  uint32_t computeFamily = ~0u;
+  uint32_t computeFamily = ~0u;     // index of a queue family that supports compute; ~0u if there is none
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
   size_t maxAllocation = 0;         // in bytes
-  size_t importAlignment = 4096;
+  size_t importAlignment = 4096;    // of host memory that is imported
   uint32_t timestampBits = 0;       // valid bits of the compute family's timestamps; 0 without timestamps
-  uint8_t cacheID[VK_UUID_SIZE];
+  uint8_t cacheID[VK_UUID_SIZE];    // identifies the driver version that cached pipelines are for
 };
 
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* `which`: see rtcNewVulkanDevice. */
+/* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which);
 
-/* With one compute queue and the features that tracing needs. */
+/* Creates a device with one compute queue and the features that tracing needs. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

@@ -33,12 +33,14 @@ struct CbvhSlabs
   vec4 leaveZ;
 };
 
-vec2 cbvhPlanes (CbvhLocalRay ray, int axis, float lower, float upper)
+/* Where a ray enters and leaves the space between two planes. */
+vec2 cbvhSlab (CbvhLocalRay ray, int axis, float lower, float upper)
 {
   float a = (lower - ray.upper[axis])*ray.rcp[axis], b = (upper - ray.lower[axis])*ray.rcp[axis];
   return vec2(min(a, b), max(a, b));
 }
 
+/* x0, x1, y0, y1: slabs of the columns and rows of children. */
 CbvhSlabs cbvhJoin (vec2 x0, vec2 x1, vec2 y0, vec2 y1, vec4 enterZ, vec4 leaveZ)
 {
   CbvhSlabs slabs;
@@ -57,12 +59,12 @@ CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
     for (int column = 0; column < 2; column++) {
       float lower = box.lower[axis] + lowerPlane((word >> lowerShift(axis)) & planePairMask, column)*box.extent[axis];
       float upper = box.lower[axis] + upperPlane((word >> upperShift(axis)) & planePairMask, column)*box.extent[axis];
-      xy[2*axis + column] = cbvhPlanes(ray, axis, lower, upper);
+      xy[2*axis + column] = cbvhSlab(ray, axis, lower, upper);
     }
   vec4 enterZ, leaveZ;
   for (int c = 0; c < 4; c++) {
     Interval z = zInterval(zCode(word, c));
-    vec2 p = cbvhPlanes(ray, 2, box.lower[2] + z.lower*box.extent[2], box.lower[2] + z.upper*box.extent[2]);
+    vec2 p = cbvhSlab(ray, 2, box.lower[2] + z.lower*box.extent[2], box.lower[2] + z.upper*box.extent[2]);
     enterZ[c] = p.x;
     leaveZ[c] = p.y;
   }
@@ -76,13 +78,13 @@ CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox 
   for (int axis = 0; axis < 2; axis++) {
     float p0 = latticePlane(word, axis, 0, box), p1 = latticePlane(word, axis, 1, box),
           p2 = latticePlane(word, axis, 2, box);
-    xy[2*axis] = cbvhPlanes(ray, axis, p0, p1);
-    xy[2*axis + 1] = cbvhPlanes(ray, axis, p1, p2);
+    xy[2*axis] = cbvhSlab(ray, axis, p0, p1);
+    xy[2*axis + 1] = cbvhSlab(ray, axis, p1, p2);
   }
   vec4 enterZ, leaveZ;
   for (int c = 0; c < 4; c++) {
     NodeBox leaf = decodeLatticeLeaf(word, heights, c, box).box;
-    vec2 p = cbvhPlanes(ray, 2, leaf.lower[2], upperOf(leaf, 2));
+    vec2 p = cbvhSlab(ray, 2, leaf.lower[2], upperOf(leaf, 2));
     enterZ[c] = p.x;
     leaveZ[c] = p.y;
   }
@@ -145,8 +147,7 @@ struct CbvhLeafHit
 /* Stores the hit and returns true if it is nearer by the rule of framed/nearest_hit.h, except for its order of faces.
  * framed: `t` and `own` of that rule, for the stored hit. */
 bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
-  CbvhLeafHit at,
-                 inout CbvhHit hit, inout vec2 framed)
+                 CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
   float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar),
         t = min(max(own, ray.enter), ray.tfar);
@@ -172,8 +173,8 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   return true;
 }
 
-/* Segment's parameter for world distance t, rounded up. */
-float cbvhShareAfter (Segment s, float t) {
+/* Parameter s of the segment at or after distance t, with slack for rounding. */
+float cbvhParameterAfter (Segment s, float t) {
   return t < s.t1 && s.t0 < s.t1 ? localFraction(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
 }
 
@@ -195,8 +196,7 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
 }
 
 bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhPreparedRay ray,
-  uint leaf,
-                   const bool anyHit, inout CbvhHit hit)
+                   uint leaf, const bool anyHit, inout CbvhHit hit)
 {
   uint height = heightOf(header.info), width = (1u << height) + 1u, plane = width*width, first = leafOffset/4u;
   uint side = (1u << height)/numLeaves, quads = side*side;
@@ -259,7 +259,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
   /* parameter of the nearest hit */
-  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhShareAfter(local.segment, hit.t*rcpScale), 1.0) : 1.0;
+  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhParameterAfter(local.segment, hit.t*rcpScale), 1.0) : 1.0;
   bool found = false;
 
   uint depth = 0u, m = 0u, hits = 0u, passed = 0u;
@@ -299,11 +299,11 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
 
     if (!isOpen) {
       isOpen = true;
-      uint met = cbvhMask(lessThanEqual(max(slabs.enter, vec4(0.0)), min(slabs.leave, vec4(best))));
-      uint shared_
-        = cbvhMask(lessThanEqual(max(slabs.enterXY, vec4(0.0)), min(slabs.leaveXY, vec4(best)))) & ~met;
-      hits |= cbvhToOrder(met, local.flip) << shift;
-      if (kind == kindLeaf) passed |= cbvhToOrder(shared_, local.flip) << shift;
+      uint entered = cbvhMask(lessThanEqual(max(slabs.enter, vec4(0.0)), min(slabs.leave, vec4(best))));
+      uint overOrUnder
+        = cbvhMask(lessThanEqual(max(slabs.enterXY, vec4(0.0)), min(slabs.leaveXY, vec4(best)))) & ~entered;
+      hits |= cbvhToOrder(entered, local.flip) << shift;
+      if (kind == kindLeaf) passed |= cbvhToOrder(overOrUnder, local.flip) << shift;
     }
 
     bool descends = false;
@@ -357,7 +357,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, leaf, anyHit, hit)) continue;
         found = true;
         if (anyHit) return true;
-        best = cbvhShareAfter(local.segment, hit.t*rcpScale);
+        best = cbvhParameterAfter(local.segment, hit.t*rcpScale);
       }
       else if (kind == kindVoxel)
       {

@@ -8,7 +8,7 @@
 
 #include "ray.glsl"
 
-/* Columns of a 3x4 matrix. */
+/* An affine transform: the columns of a 3x4 matrix. */
 struct CbvhTransform { vec3 x, y, z, translation; };
 
 CbvhTransform cbvhTransformOf (float m[12]) {
@@ -27,7 +27,8 @@ CbvhTransform cbvhInverse (CbvhTransform t)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhTransforms { CbvhTransform at[]; };
 
-/* False if the instance does not exist then. */
+/* Sets `local` to the transform from world space to the instance's space at a time. Returns false outside of the
+ * instance's time range. */
 bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform local)
 {
   local = cbvhTransformOf(instance.worldToLocal);

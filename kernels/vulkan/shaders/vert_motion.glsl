@@ -65,12 +65,12 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
     StepView step_ = cbvhEnd(segment, e);
     if (isRaw(step_.form)) continue;
     CodedCell cell = firstCell(step_, block.region);
-    bool turns = isFirstCellRotated(step_);
+    bool isRotated = isFirstCellRotated(step_);
     [[dont_unroll]] for (int v = 0; v < cellVertices; v++)
     {
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
-      if (turns && field >= 0)
+      if (isRotated && field >= 0)
         corner += rotatedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
@@ -85,7 +85,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
   {
     StepView step_ = cbvhEnd(segment, e);
     CodedCell cell = cbvhNoCell();
-    bool raw = isRaw(step_.form), turns = !raw && isGroupRotated(step_, g);
+    bool raw = isRaw(step_.form), isRotated = !raw && isGroupRotated(step_, g);
     uint firstWord = 0u, firstFields = 0u;
     if (!raw) {
       int c = 5*int(gy) + int(gx);
@@ -93,7 +93,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
                          cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
                          cbvhCornersAtEnds[e][c + 5], cbvhCornersAtEnds[e][c + 6]);
     }
-    if (turns) {
+    if (isRotated) {
       firstWord = wordOfGroup(block.first, g);
       firstFields = fieldsOfGroup(block.first, g);
     }
@@ -104,7 +104,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       if (raw) at = cbvhRawVertex(block, step_, gx, gy, i, j);
       else {
         ivec3 vertex = vertexOfCell(step_.data, cell, i, j);
-        if (turns && field >= 0)
+        if (isRotated && field >= 0)
           vertex += rotatedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }

@@ -31,7 +31,7 @@ namespace embree
         {
           if (!testGridLeaf(this->block,16*m+child,IsAnyHit<RayType>::value,*this)) return false;
           this->isHit = true;
-          this->sBest = this->local.behind(this->state.rcpScale,this->ray.tfar);
+          this->sBest = this->local.parameterAfter(this->state.rcpScale,this->ray.tfar);
           return IsAnyHit<RayType>::value;
         }
 

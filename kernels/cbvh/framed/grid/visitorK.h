@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cGRID ray by ray. */
+/* Leaves of cGRID for packets, one ray after the other. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -39,16 +39,16 @@ namespace embree
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
           {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!leafOf(k,16*m+child)) continue;
+            if (!intersectLeaf(k,16*m+child)) continue;
             accepted |= 1u << k;
-            s[k] = this->frameRays.behind(k,this->state.rcpScale[k],this->rays.tfar[k]);
+            s[k] = this->frameRays.parameterAfter(k,this->state.rcpScale[k],this->rays.tfar[k]);
           }
           this->accept(vbool<K>(int(accepted)));
           this->sBest = select(vbool<K>(int(accepted)),s,this->sBest);
         }
 
       private:
-        /*! For GridLeaf. */
+        /*! Tests M triangles with ray k, for GridLeaf. */
         struct Test
         {
           Rays& rays;
@@ -63,7 +63,8 @@ namespace embree
           }
         };
 
-        __noinline bool leafOf (size_t k, uint32_t leaf) const {
+        /*! Returns true if ray k accepted a hit. */
+        __noinline bool intersectLeaf (size_t k, uint32_t leaf) const {
           return testGridLeaf(this->block,leaf,IsAnyHit<Rays>::value,Test{ this->rays,this->context,this->block,k });
         }
       };

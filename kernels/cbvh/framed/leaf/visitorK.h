@@ -52,8 +52,8 @@ namespace embree
           enterAbove = f0 >= vfloat<K>(zero);
           leaveAbove = f1 >= vfloat<K>(zero);
           changes = enterAbove ^ leaveAbove;
-          enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.down[2],enterAbove);
-          leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.down[2],leaveAbove);
+          enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.descends[2],enterAbove);
+          leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.descends[2],leaveAbove);
           const vfloat<K> reach = vfloat<K>(surfaces.reach[leaf]) + rays.epsilonZ;
           nearEntry = abs(f0) <= reach;
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* See visitor1.h. */
+/* Leaves of cVOXEL for packets, with a ray per lane. visitor1.h states when a ray hits a leaf. */
 
 #include "../block_visitorK.h"
 
