@@ -228,6 +228,7 @@ namespace embree
       {
         size_t count = 0, numInvalid = 0;
         std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip, at any step
+        std::vector<uint32_t> flipped;     //!< those that it flips with its exceptions so far
       };
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
@@ -305,23 +306,47 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. */
+      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find flipped
+       *  triangles; one thread changes the lattices, in a fixed order. */
       template<typename Progress>
-      void refineUntilNoneFlips (const std::vector<Found>& found, const Progress& progress)
+      void refineUntilNoneFlips (std::vector<Found>& found, const Progress& progress)
       {
-        for (bool changed=true; changed; ) {
+        for (bool changed=true; changed; )
+        {
+          parallel_for(size_t(0),found.size(),size_t(1),[&](const range<size_t>& r) {
+              for (size_t task=r.begin(); task!=r.end(); task++) findFlipped(found[task]);
+              progress();
+            });
           changed = false;
-          for (const Found& task : found) {
-            for (uint32_t triangle : task.fragile) {
-              const float* p[3];
-              unsigned v[3];
-              mesh.corners(triangle,p,v);
-              for (unsigned step=0; step<plan.numTimeSteps; step++)
-                changed |= lattices[step]->refine(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
-            }
-            progress();
-          }
+          for (const Found& task : found)
+            for (uint32_t triangle : task.flipped)
+              forEachStep(triangle,[&](cbvh::MeshLattice& lattice, const float* a, const float* b, const float* c) {
+                  changed |= lattice.refine(a,b,c);
+                });
         }
+      }
+
+      void findFlipped (Found& task) const
+      {
+        task.flipped.clear();
+        for (uint32_t triangle : task.fragile) {
+          bool isFlipped = false;
+          forEachStep(triangle,[&](const cbvh::MeshLattice& lattice, const float* a, const float* b, const float* c) {
+              isFlipped = isFlipped || lattice.flips(a,b,c);
+            });
+          if (isFlipped) task.flipped.push_back(triangle);
+        }
+      }
+
+      /*! Calls onStep(lattice,a,b,c) with the corners at each step. */
+      template<typename OnStep>
+      void forEachStep (uint32_t triangle, const OnStep& onStep) const
+      {
+        const float* p[3];
+        unsigned v[3];
+        mesh.corners(triangle,p,v);
+        for (unsigned step=0; step<plan.numTimeSteps; step++)
+          onStep(*lattices[step],mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
       const mvector<unsigned>* const primitives;

@@ -120,13 +120,13 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if refine() makes the vertices of a triangle exceptions, if there are none yet. */
+    /*! True if refine() changes vertices of the triangle. */
     bool flips (const float a[3], const float b[3], const float c[3]) const
     {
       if (isExact || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
       float p[3], q[3], r[3];
-      snap(0,a,p); snap(0,b,q); snap(0,c,r);
+      snap(a,p); snap(b,q); snap(c,r);
       return !isZero(own) && !isOrientationKept(own,p,q,r);
     }
 
