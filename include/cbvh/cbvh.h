@@ -214,9 +214,9 @@ struct CbvhGrids
 struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
-  unsigned int corners;             /* 4: quads, 3: triangles */
+  unsigned int verticesPerFace;     /* 4: quads, 3: triangles */
   size_t count;                     /* number of quads or triangles */
-  const unsigned int* indices;      /* of vertices, `corners` per quad or triangle */
+  const unsigned int* indices;      /* of vertices, `verticesPerFace` per quad or triangle */
   struct CbvhVertices vertices;
 };
 
@@ -235,7 +235,7 @@ struct CbvhDicing
   const float* transform;           /* from the surface's space to world space: 12 floats, column by column. NULL: the
                                      * identity */
   float quadSize;                   /* target length of the edges of quads in pixels. 0: 1 */
-  float outside;                    /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
+  float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
   float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
   const float* maxRates;            /* the same for each edge, for example the number of texels along it: one entry per
                                      * index. NULL: maxRate holds for all edges */

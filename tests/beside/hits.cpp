@@ -483,7 +483,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
   vertices.push_back({0, 0, 0}); // the library reads 4 bytes after the last vertex
   const float* const steps[] = {vertices[0].data()};
   CbvhMesh mesh = CbvhMesh();
-  mesh.corners = 3;
+  mesh.verticesPerFace = 3;
   mesh.count = indices.size()/3;
   mesh.indices = indices.data();
   mesh.vertices = {vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
