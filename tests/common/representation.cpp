@@ -64,8 +64,9 @@ TEST(Representation, ListsContainTheLibrarysKinds)
   EXPECT_EQ(listOfRepresentations(",", " or "), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
   EXPECT_EQ(defaultRepresentations(), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cvert");
   const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
-  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE,
-                                                    RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE,   RTC_COMPRESSION_NONE,
+                                                    RTC_COMPRESSION_NONE,   RTC_COMPRESSION_CGRID,
+                                                    RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
                                                     RTC_COMPRESSION_CLEAF,  RTC_COMPRESSION_CVERT};
   const std::vector<std::string> labels = {"NAIVE",  "NAIVE-compact", "GRID",       "cGRID",
                                            "cVOXEL", "cLEAF",         "cLEAF-only", "cVERT"};

@@ -526,7 +526,8 @@ TEST(Memory, StatisticsMatchMemoryMonitor)
 TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 {
   const float rate = 256;
-  for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
     for (unsigned threads : {1, 2}) {
       SCOPED_TRACE(testing::Message() << "compression " << kind << ", threads " << threads);
       const Sizes sizes = measure(kind, sheetCage(6), rate, "threads=" + std::to_string(threads));

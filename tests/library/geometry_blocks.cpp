@@ -246,7 +246,8 @@ TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   RTCGeometry geometry = newCounted(device, displacement);
   rtcAttachGeometryByID(scene, geometry, 6);
-  for (RTCCompression kind : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_NONE}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_NONE}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = kind;

@@ -302,7 +302,8 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   attach(scene, geometry);
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
   for (RTCCompression compression :
-       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT}) {
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT,
+        RTC_COMPRESSION_CVERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;

@@ -236,7 +236,8 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
       if (!writer) { usleep(200); continue; } // another process holds it
       commits++;
       const bool isNew = rtcGetCompressedFileWriterGeometryCount(writer) == 0;
-      const bool isWhole = isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
+      const bool isWhole =
+        isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
       spoiled += !isWhole;
       rtcReleaseCompressedFileWriter(writer);
     }

@@ -137,7 +137,8 @@ TEST_P(Watertight, RaysFromInsideHit)
     recorder.offset = c.offset;
     recorder.cage = &c.cage;
     // an eighth of a quad, a multiple of cVERT's spacing: cVERT stores exactly these vertices, at which rays aim
-    if (GetParam() == RTC_COMPRESSION_CVERT) recorder.lattice = std::ldexp(1.0f, std::ilogb(c.scale) - 2 - int(c.level));
+    if (GetParam() == RTC_COMPRESSION_CVERT)
+      recorder.lattice = std::ldexp(1.0f, std::ilogb(c.scale) - 2 - int(c.level));
     recorder.level = c.level;
     recorder.frameLevel = unsigned(std::max(c.frameLevel, 0));
     SurfaceSettings settings;
