@@ -424,6 +424,14 @@ CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 
+/* Checks flags of a geometry. cbvhNewGeometry in cbvh/embree.h calls this function.
+ *
+ * flags: to check.
+ * known: all bits that the caller supports.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if other bits are set; the message names them. */
+CBVH_API enum CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known);
+
 /* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty or not committed.
  * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
