@@ -18,10 +18,10 @@ enum class RepresentationKind
   Naive, // two triangles per quad in Embree's triangle BVH
   Grid,  // Embree's vertex grids
   /* The library's kinds, described in kernels/cbvh/base/kinds.h. */
-  CGrid = RTC_COMPRESSION_GRID,
-  CVoxel = RTC_COMPRESSION_VOXEL,
-  CLeaf = RTC_COMPRESSION_LEAF,
-  CVert = RTC_COMPRESSION_VERT,
+  CGrid = RTC_COMPRESSION_CGRID,
+  CVoxel = RTC_COMPRESSION_CVOXEL,
+  CLeaf = RTC_COMPRESSION_CLEAF,
+  CVert = RTC_COMPRESSION_CVERT,
   /* cLEAF as in the paper: no faces stored as cVERT (cbvh_fallback_faces=0). */
   CLeafOnly = 1000,
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT

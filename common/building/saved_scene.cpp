@@ -35,7 +35,7 @@ void BuiltScene::save(const std::string& path) const
     phase.update(double(i + 1) / double(numGeometries));
     throwIfCanceled();
   }
-  rtcCommitCompressedFile(writer.get());
+  rtcCommitCompressedFileWriter(writer.get());
   device->check("saving");
 }
 
@@ -52,14 +52,14 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
   statistics.resize(descriptions.size());
   parallelFor(descriptions.size(), 1, std::min(threads, unsigned(descriptions.size())), [&](size_t begin, size_t) {
     const unsigned i = unsigned(begin);
-    rtcGetCompressedFileGeometry(file.get(), i, &descriptions[i]);
+    rtcGetCompressedFileGeometryInfo(file.get(), i, &descriptions[i]);
     rtcGetCompressedFileGeometryStatistics(file.get(), i, &statistics[i]);
     const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
     device->check("opening a file");
     if (geometry) // null after an error that another thread's check() reported
       rtcAttachGeometryByID(scene.get(), geometry.get(), i);
   });
-  for (const RTCCompressedFileGeometry& geometry : descriptions)
+  for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
     mostFaces = std::max(mostFaces, geometry.primitiveCount);
   rtcCommitScene(scene.get());
   device->check("opening a file");
@@ -79,7 +79,7 @@ size_t SavedScene::quads() const
 size_t SavedScene::bytes() const
 {
   size_t sum = 0;
-  for (const RTCCompressedFileGeometry& geometry : descriptions)
+  for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
     sum += geometry.bytes;
   return sum;
 }

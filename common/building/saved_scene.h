@@ -30,7 +30,7 @@ public:
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }
-  const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
+  const std::vector<RTCCompressedFileGeometryInfo>& geometries() const { return descriptions; }
   size_t quads() const;
   size_t bytes() const;
 
@@ -52,7 +52,7 @@ private:
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
-  std::vector<RTCCompressedFileGeometry> descriptions;
+  std::vector<RTCCompressedFileGeometryInfo> descriptions;
   std::vector<RTCCompressionStatistics> statistics;
   unsigned mostFaces = 1;
   double opening = 0, openingProcessorSeconds = 0;

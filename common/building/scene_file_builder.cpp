@@ -102,7 +102,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   device.check("saving");
   FileBuildReport report;
   report.geometries = model.copies.size();
-  report.found = rtcGetCompressedFileWriterCount(writer.get());
+  report.found = rtcGetCompressedFileWriterGeometryCount(writer.get());
   const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads();
   const size_t left = report.geometries - report.found;
   report.quads = size_t(double(quads) * double(left) / double(report.geometries));
@@ -120,7 +120,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
       phase.update(double(i + 1 - report.found) / double(left));
       throwIfCanceled();
     }
-    rtcCommitCompressedFile(writer.get());
+    rtcCommitCompressedFileWriter(writer.get());
     device.check("saving");
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -123,7 +123,7 @@ private:
       device->errors.check("tracing on a Vulkan device");
       throw Error("tracing on a Vulkan device failed");
     }
-    return times.seconds;
+    return times.traceSeconds;
   }
 
   std::shared_ptr<OpenDevice> device;

@@ -214,9 +214,9 @@ struct CbvhGrids
 struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
-  unsigned int corners;             /* 4: quads, 3: triangles */
+  unsigned int verticesPerFace;     /* 4: quads, 3: triangles */
   size_t count;                     /* number of quads or triangles */
-  const unsigned int* indices;      /* of vertices, `corners` per quad or triangle */
+  const unsigned int* indices;      /* of vertices, `verticesPerFace` per quad or triangle */
   struct CbvhVertices vertices;
 };
 
@@ -235,7 +235,7 @@ struct CbvhDicing
   const float* transform;           /* from the surface's space to world space: 12 floats, column by column. NULL: the
                                      * identity */
   float quadSize;                   /* target length of the edges of quads in pixels. 0: 1 */
-  float outside;                    /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
+  float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
   float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
   const float* maxRates;            /* the same for each edge, for example the number of texels along it: one entry per
                                      * index. NULL: maxRate holds for all edges */
@@ -423,6 +423,14 @@ CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
  * if no primitive has this number. It searches in the surfaces by bisection. */
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
+
+/* Checks flags of a geometry. cbvhNewGeometry in cbvh/embree.h calls this function.
+ *
+ * flags: to check.
+ * known: all bits that the caller supports.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if other bits are set; the message names them. */
+CBVH_API enum CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known);
 
 /* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty or not committed.
  * lower, upper: written, or NULL. */

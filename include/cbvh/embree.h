@@ -310,12 +310,21 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
  * flags:  bits of CbvhGeometryFlags.
  *
  * Returns NULL if Embree cannot create the geometry; its device then has an error. Also returns NULL if the group
- * has 2^32 - 1 primitives or more, which the primID of a hit cannot count. Thread safety: as rtcNewGeometry. */
+ * has 2^32 - 1 primitives or more, which the primID of a hit cannot count. Also returns NULL for a group that is NULL
+ * and for unknown flags, with CBVH_ERROR_INVALID_ARGUMENT: cbvhGetErrorText returns a message that names the flags, and
+ * the error function of the context is called. Thread safety: as rtcNewGeometry. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  RTCGeometry geometry;
   RTCIntersectFunctionN intersect = cbvhIntersectPlain;
   RTCOccludedFunctionN occluded = cbvhOccludedPlain;
+#if RTC_VERSION_MAJOR >= 4
+  const unsigned int known = CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS;
+#else
+  const unsigned int known = CBVH_GEOMETRY_FILTERS;
+#endif
+  if (cbvhCheckGeometryFlags(group, flags, known) != CBVH_OK) return NULL;
+  geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return NULL;
   if (cbvhGetGroupFirstPrimitive(group, cbvhGetGroupSize(group)) == 0xFFFFFFFFu) {
     rtcReleaseGeometry(geometry);

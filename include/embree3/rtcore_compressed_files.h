@@ -68,11 +68,11 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
 
 /* Creates a writer that can be resumed after an interruption, for geometries that take long to build.
  *
- * If the writer is released or the process ends before rtcCommitCompressedFile, the appended geometries are kept next
- * to the file, under its path with ".part" appended. The next writer with the same path and key continues after them:
- * rtcGetCompressedFileWriterCount returns their number, and the application appends the remaining geometries. A
- * released writer loses no geometry. A killed process and a full disk lose the last geometry, or the last 64 MiB of
- * smaller ones.
+ * If the writer is released or the process ends before rtcCommitCompressedFileWriter, the appended geometries are kept
+ * next to the file, under its path with ".part" appended. The next writer with the same path and key continues after
+ * them: rtcGetCompressedFileWriterGeometryCount returns their number, and the application appends the remaining
+ * geometries. A released writer loses no geometry. A killed process and a full disk lose the last geometry, or the last
+ * 64 MiB of smaller ones.
  *
  * device, path: as for rtcNewCompressedFileWriter.
  * key: number that identifies the input of the geometries, so that files of different input are not mixed.
@@ -87,7 +87,7 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, 
 /* Returns the number of geometries in a writer, including those that a resumed writer continues after.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; the result is 0. Thread safety: as rtcNewCompressedFileWriter. */
-RTC_API unsigned int rtcGetCompressedFileWriterCount(RTCCompressedFileWriter writer);
+RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount(RTCCompressedFileWriter writer);
 
 /* Appends a geometry to a file. The index of the geometry in the file is the number of geometries before it. The
  * geometry may be released afterwards: an application can save a scene that is larger than memory while it builds it.
@@ -108,7 +108,7 @@ RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeom
  * Returns true if the file is complete. Otherwise an existing file at its path is unchanged.
  *
  * Errors and thread safety: as rtcSaveCompressedGeometry. */
-RTC_API bool rtcCommitCompressedFile(RTCCompressedFileWriter writer);
+RTC_API bool rtcCommitCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Releases a writer. Geometries that were not committed are removed, or kept by a writer of
  * rtcResumeCompressedFileWriter.
@@ -133,9 +133,9 @@ RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice device, const char* pa
 RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 
 /* Description of a geometry in a file. */
-struct RTCCompressedFileGeometry
+struct RTCCompressedFileGeometryInfo
 {
-  size_t structSize RTC_SIZE_OF(RTCCompressedFileGeometry); /* see rtcore_compression.h */
+  size_t structSize RTC_SIZE_OF(RTCCompressedFileGeometryInfo); /* see rtcore_compression.h */
   enum RTCGeometryType type;                  /* of the geometry that was saved */
   enum RTCCompression compression;            /* representation in the file */
   unsigned int primitiveCount, timeStepCount;
@@ -153,8 +153,8 @@ struct RTCCompressedFileGeometry
  * Returns true if the description was written.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a wrong structSize. */
-RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int index,
-    struct RTCCompressedFileGeometry* description);
+RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile file, unsigned int index,
+    struct RTCCompressedFileGeometryInfo* description);
 
 /* Returns the compression statistics of a geometry in a file, without loading the geometry. They are those of its last
  * commit before it was saved.
@@ -165,7 +165,7 @@ RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int i
  *
  * Returns true if the statistics were written.
  *
- * Errors: as rtcGetCompressedFileGeometry. */
+ * Errors: as rtcGetCompressedFileGeometryInfo. */
 RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index,
     struct RTCCompressionStatistics* statistics);
 

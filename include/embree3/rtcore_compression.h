@@ -93,10 +93,10 @@ enum RTCCompression
 {
   RTC_COMPRESSION_INHERIT = 0, // the setting of the device string or of the environment
   RTC_COMPRESSION_NONE    = 1, // GRID:   Embree's full-precision vertex grids
-  RTC_COMPRESSION_GRID    = 2, // cGRID:  compressed nodes, full-precision vertices
-  RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes; the boxes of leaves are the surface
-  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes; leaves store 9 heights of 7 bits for 2 x 2 quads
-  RTC_COMPRESSION_VERT    = 5, // cVERT:  the triangles of GRID, with vertices rounded to a lattice in world space
+  RTC_COMPRESSION_CGRID   = 2, // cGRID:  compressed nodes, full-precision vertices
+  RTC_COMPRESSION_CVOXEL  = 3, // cVOXEL: compressed nodes; the boxes of leaves are the surface
+  RTC_COMPRESSION_CLEAF   = 4, // cLEAF:  compressed nodes; leaves store 9 heights of 7 bits for 2 x 2 quads
+  RTC_COMPRESSION_CVERT   = 5, // cVERT:  the triangles of GRID, with vertices rounded to a lattice in world space
 };
 
 /* Frame level that the library chooses, see RTCCompressionArguments::frameLevel. */

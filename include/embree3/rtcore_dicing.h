@@ -28,7 +28,7 @@ struct RTCDicingArguments
                             * RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR. NULL: the identity */
 
   float quadSize;          /* target length of the edges of quads in pixels. Default 1, positive */
-  float outside;           /* factor of quadSize far outside of the picture and behind the camera. Default 8, at
+  float outsideFactor;     /* factor of quadSize far outside of the picture and behind the camera. Default 8, at
                             * least 1 */
   float maxRate;           /* largest number of quads along an edge. Default 4096, 1 to 4096 */
   const float* maxRates;   /* the same for each edge, for example the number of texels along it: one entry per index.
@@ -47,7 +47,7 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
   args->pixelSize = args->width = args->height = 0.0f;
   args->transform = NULL;
   args->quadSize = 1.0f;
-  args->outside = 8.0f;
+  args->outsideFactor = 8.0f;
   args->maxRate = 4096.0f;
   args->maxRates = NULL;
 }

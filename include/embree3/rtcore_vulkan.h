@@ -177,7 +177,7 @@ RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
 
 /* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines CBVH_KINDS
  * as this mask contains code for no other kinds. */
-RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
+RTC_API unsigned int rtcGetVulkanSceneLeafKinds (RTCVulkanScene scene);
 
 /* Lists the instances that place a scene in a top-level structure of the application: one for each geometry, and one
  * for each geometry of each instanced scene.
@@ -249,7 +249,7 @@ typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 struct RTCVulkanTimes
 {
   size_t structSize RTC_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
-  double seconds;          /* tracing on the device, without copies; 0 if the device has no clock */
+  double traceSeconds;     /* tracing on the device, without copies; 0 if the device has no clock */
   double copySeconds;      /* copies of rays and hits on the device */
   double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySort */
 };

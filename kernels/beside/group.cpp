@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 using namespace embree::beside;
 
@@ -123,6 +124,17 @@ int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, 
   *index = i;
   *primID = unsigned(number - first[i]);
   return 1;
+}
+
+CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known)
+{
+  if (!group) return rejectArgument("group is NULL");
+  return guarded(group->context.get(), [&] {
+    if ((flags & ~known) == 0) return;
+    char text[96];
+    std::snprintf(text, sizeof(text), "unknown flags 0x%x of a geometry: expected bits of 0x%x", flags & ~known, known);
+    throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+  });
 }
 
 void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])

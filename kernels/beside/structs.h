@@ -36,7 +36,7 @@ inline DicingCamera cameraOf(const CbvhDicing& dicing)
   const DicingCamera defaults;
   DicingCamera camera = dicingCamera(dicing);
   if (camera.quadSize == 0) camera.quadSize = defaults.quadSize;
-  if (camera.outside == 0) camera.outside = defaults.outside;
+  if (camera.outsideFactor == 0) camera.outsideFactor = defaults.outsideFactor;
   if (camera.maxRate == 0) camera.maxRate = defaults.maxRate;
   return camera;
 }

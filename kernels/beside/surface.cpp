@@ -250,16 +250,16 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
   const Change change(*this);
-  require(mesh.corners == 3 || mesh.corners == 4, "invalid number of corners of a mesh: expected 3 or 4");
+  require(mesh.verticesPerFace == 3 || mesh.verticesPerFace == 4, "invalid verticesPerFace of a mesh: expected 3 or 4");
   require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
   require(mesh.count < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
-  const bool hasQuads = mesh.corners == 4;
+  const bool hasQuads = mesh.verticesPerFace == 4;
   InputPtr input(new Input(context->device, hasQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
   input->numPrimitives = unsigned(mesh.count);
   input->isMesh = true;
   setVertices(input->geometry, mesh.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, hasQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
-    4*mesh.corners, 4*mesh.corners, mesh.count);
+    4*mesh.verticesPerFace, 4*mesh.verticesPerFace, mesh.count);
   setPending(std::move(input));
 }
 
@@ -353,7 +353,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
 embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless)
 {
   embree::CompressionSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.releasesInput = true;
   if (isLossless) settings.maxError = 0;
   else if (accuracy.maxError > 0) settings.maxError = accuracy.maxError;

@@ -45,7 +45,7 @@ FUNCTIONS_OF_FIRST_VERSION = frozenset(
     """
     rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcGetVulkanDeviceHandles
     rtcGetVulkanDeviceInfo rtcGetVulkanDevices rtcGetVulkanRayOrderBytes rtcGetVulkanSceneAddress
-    rtcGetVulkanSceneKinds rtcGetVulkanSceneStatistics rtcInitCompressionArguments rtcIsVulkanTraceDone
+    rtcGetVulkanSceneStatistics rtcInitCompressionArguments rtcIsVulkanTraceDone
     rtcNewVulkanDevice rtcNewVulkanDeviceFromHandles rtcNewVulkanScene rtcRecordVulkanIntersect
     rtcRecordVulkanIntersectInOrder rtcRecordVulkanOccluded rtcRecordVulkanOccludedInOrder
     rtcRecordVulkanRayOrder rtcReleaseVulkanDevice rtcReleaseVulkanScene rtcRetainVulkanDevice

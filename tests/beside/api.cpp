@@ -167,7 +167,7 @@ SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float
 {
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.rate = rate;
   settings.timeSteps = timeSteps;
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
@@ -308,7 +308,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
       grids.clear();
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();
-      ASSERT_NO_FATAL_FAILURE(compare(newGrids(device, diced, RTC_COMPRESSION_VERT, 0, timeSteps), surface, rays));
+      ASSERT_NO_FATAL_FAILURE(compare(newGrids(device, diced, RTC_COMPRESSION_CVERT, 0, timeSteps), surface, rays));
     }
     DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
     quads.motion = motion;
@@ -320,7 +320,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
       ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();
-      ASSERT_NO_FATAL_FAILURE(compare(newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps), surface, rays));
+      ASSERT_NO_FATAL_FAILURE(compare(newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps), surface, rays));
     }
   }
 }
@@ -357,7 +357,7 @@ TEST(Beside, LosslessHitsMatchOurEmbree)
         const RTCDevice of = lossless ? exact : device;
         Scene scene(of);
         attach(scene, isCage ? newSurface(of, prismCage(5), settings)
-                             : newGrids(of, diced, RTC_COMPRESSION_VERT, 0, timeSteps));
+                             : newGrids(of, diced, RTC_COMPRESSION_CVERT, 0, timeSteps));
         rtcCommitScene(scene);
         EXPECT_EQ(statisticsOf(scene).maxVertexDeviation, statistics.maxVertexDeviation);
         ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 1500)));

@@ -7,6 +7,7 @@
 #include "host.h"
 
 #include <algorithm>
+#include <string>
 
 using namespace host;
 
@@ -483,7 +484,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
   vertices.push_back({0, 0, 0}); // the library reads 4 bytes after the last vertex
   const float* const steps[] = {vertices[0].data()};
   CbvhMesh mesh = CbvhMesh();
-  mesh.corners = 3;
+  mesh.verticesPerFace = 3;
   mesh.count = indices.size()/3;
   mesh.indices = indices.data();
   mesh.vertices = {vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
@@ -504,6 +505,45 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
   cbvhReleaseSurface(surface);
 }
 
+// Unknown flags may be known to a later version of the header: ignoring them would trace without filters.
+void testUnknownFlags(RTCDevice device)
+{
+  std::string reported;
+  const auto keep = [](void* to, CbvhError code, const char* text) {
+    CHECK(code == CBVH_ERROR_INVALID_ARGUMENT);
+    *(std::string*)to = text;
+  };
+  CbvhContext context = nullptr;
+  OK(cbvhNewContext(nullptr, keep, &reported, &context));
+  {
+    const Group group(context);
+    const struct { unsigned flags; const char* named; } unknown[] = {
+      {4, "0x4 "},
+      {CBVH_GEOMETRY_FILTERS | 0x80000000u, "0x80000000 "},
+      {~0u, RTC_VERSION_MAJOR < 4 ? "0xfffffffe " : "0xfffffffc "},
+#if RTC_VERSION_MAJOR < 4
+      {2, "0x2 "},
+#endif
+    };
+    for (const auto& each : unknown) {
+      reported.clear();
+      CHECK(cbvhNewGeometry(device, group, each.flags) == nullptr);
+      CHECK(reported.find(each.named) != std::string::npos);
+      CHECK(cbvhGetErrorText() == reported);
+    }
+    reported.clear();
+    const unsigned filters = CBVH_GEOMETRY_FILTERS;
+    for (unsigned flags : {0u, filters, contextFilters, filters | contextFilters}) {
+      RTCGeometry geometry = cbvhNewGeometry(device, group, flags);
+      CHECK(geometry != nullptr);
+      if (geometry) rtcReleaseGeometry(geometry);
+    }
+    CHECK(reported.empty());
+  }
+  cbvhReleaseContext(context);
+  CHECK(cbvhNewGeometry(device, nullptr, 0) == nullptr);
+}
+
 int main()
 {
   RTCDevice device = rtcNewDevice(nullptr);
@@ -520,6 +560,7 @@ int main()
   testManySurfaces(device, context);
   testEdits(device, context);
   testTooManyPrimitives(device, context);
+  testUnknownFlags(device);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
   cbvhReleaseContext(context);

@@ -112,6 +112,8 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
     {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 0, &noGroup); }},
     {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 1, nullptr); }},
     {"cbvhCommitGroup", [&] { return cbvhCommitGroup(nullptr); }},
+    {"cbvhCheckGeometryFlags", [&] { return cbvhCheckGeometryFlags(nullptr, 0, 3); }},
+    {"cbvhCheckGeometryFlags", [&] { return cbvhCheckGeometryFlags(group, 4, 3); }},
     {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(nullptr, &statistics); }},
     {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(group, nullptr); }},
     {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},

@@ -87,7 +87,7 @@ struct StructSizes : ::testing::Test
     SurfaceSettings settings;
     settings.rate = 8;
     settings.displacement = &displacement;
-    geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_VERT);
+    geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_CVERT);
     settings.displacement = nullptr;
     cage = newSurface(device, cubeCage(), settings);
     rtcCommitGeometry(cage);
@@ -150,9 +150,9 @@ struct StructSizes : ::testing::Test
         rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
         return error();
       }));
-    cases.push_back(caseOf<RTCCompressedFileGeometry>("RTCCompressedFileGeometry", true, {},
-      [=](RTCCompressedFileGeometry* description) {
-        rtcGetCompressedFileGeometry(file, 0, description);
+    cases.push_back(caseOf<RTCCompressedFileGeometryInfo>("RTCCompressedFileGeometryInfo", true, {},
+      [=](RTCCompressedFileGeometryInfo* description) {
+        rtcGetCompressedFileGeometryInfo(file, 0, description);
         return error();
       }));
     cases.push_back(caseOf<RTCCompressedClusterReport>("RTCCompressedClusterReport", true, {},

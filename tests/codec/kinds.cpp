@@ -36,7 +36,7 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
     EXPECT_TRUE(findKind(e.compression, found));
     EXPECT_EQ(found, e.kind);
   }
-  for (uint32_t compression = RTC_COMPRESSION_GRID; compression <= RTC_COMPRESSION_VERT; compression++)
+  for (uint32_t compression = RTC_COMPRESSION_CGRID; compression <= RTC_COMPRESSION_CVERT; compression++)
     EXPECT_EQ(uint32_t(compressionOfLoaded(compression)), compression);
   Kind none = Kind::GRID;
   for (int compression : {-1, 0, 1, 6, 100}) EXPECT_FALSE(findKind(compression, none)) << compression;

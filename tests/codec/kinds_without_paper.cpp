@@ -23,7 +23,7 @@ TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
 // representation, not GRID.
 TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
 {
-  for (uint32_t compression = RTC_COMPRESSION_GRID; compression <= RTC_COMPRESSION_VERT; compression++) {
+  for (uint32_t compression = RTC_COMPRESSION_CGRID; compression <= RTC_COMPRESSION_CVERT; compression++) {
     Kind kind = Kind::GRID;
     ASSERT_TRUE(findKind(compressionOfLoaded(compression), kind)) << compression;
     EXPECT_EQ(kind, Kind::VERT);

@@ -34,7 +34,7 @@ TEST(Representation, LeavesOnlyHasAName)
   EXPECT_EQ(list[1].label(), "cLEAF-only^2");
   EXPECT_EQ(list[1].fileStem(), "cleaf-only2");
   EXPECT_EQ(list[2].label(), "cLEAF-only");
-  EXPECT_EQ(list[1].compression(), RTC_COMPRESSION_LEAF);
+  EXPECT_EQ(list[1].compression(), RTC_COMPRESSION_CLEAF);
   EXPECT_TRUE(list[0].hasFallbackFaces());
   EXPECT_FALSE(list[1].hasFallbackFaces());
 }
@@ -64,9 +64,10 @@ TEST(Representation, ListsContainTheLibrarysKinds)
   EXPECT_EQ(listOfRepresentations(",", " or "), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
   EXPECT_EQ(defaultRepresentations(), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cvert");
   const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
-  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE,
-                                                    RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
-                                                    RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE,   RTC_COMPRESSION_NONE,
+                                                    RTC_COMPRESSION_NONE,   RTC_COMPRESSION_CGRID,
+                                                    RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                                    RTC_COMPRESSION_CLEAF,  RTC_COMPRESSION_CVERT};
   const std::vector<std::string> labels = {"NAIVE",  "NAIVE-compact", "GRID",       "cGRID",
                                            "cVOXEL", "cLEAF",         "cLEAF-only", "cVERT"};
   ASSERT_EQ(list.size(), labels.size());

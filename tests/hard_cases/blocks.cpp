@@ -37,7 +37,7 @@ protected:
     ReferenceCheck check(device, compression());
     for (const Sheet& sheet : sheets) check.trace(random, sheet, allRays, 50);
     // cVERT has no frames and supports any vertices.
-    EXPECT_EQ(check.sheetsOfGrid, compression() == RTC_COMPRESSION_VERT ? 0 : sheets.size());
+    EXPECT_EQ(check.sheetsOfGrid, compression() == RTC_COMPRESSION_CVERT ? 0 : sheets.size());
   }
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardBlocks, testing::ValuesIn(tracers()), tracerName);

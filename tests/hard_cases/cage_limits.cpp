@@ -118,7 +118,7 @@ TEST_P(CageLimits, LongestRingsOfBorderVertices)
     const Twins twins(device, cage, settings(compression()));
     Random random(61);
     const std::vector<RTCRayHit> rays = raysAt(random, 800);
-    if (compression() == RTC_COMPRESSION_GRID) expectEqualToGrid(twins.grid, twins.scene, rays, cage);
+    if (compression() == RTC_COMPRESSION_CGRID) expectEqualToGrid(twins.grid, twins.scene, rays, cage);
     else expectCloseToGrid(twins.grid, twins.scene, rays, cage, settings(compression()));
     if (HasFatalFailure()) return;
   }

@@ -28,7 +28,7 @@ protected:
       ASSERT_EQ(statisticsOf(twins.scene).numUncompressedQuads + statisticsOf(twins.scene).numInvalidQuads, 0u);
       const std::vector<RTCRayHit> rays = raysAt(random, 800);
       if (gap > 0) expectHitsNearGrid(twins.grid, twins.scene, rays, gap);
-      else if (compression() == RTC_COMPRESSION_GRID) expectEqualToGrid(twins.grid, twins.scene, rays, cage);
+      else if (compression() == RTC_COMPRESSION_CGRID) expectEqualToGrid(twins.grid, twins.scene, rays, cage);
       else expectCloseToGrid(twins.grid, twins.scene, rays, cage, settings);
       if (HasFatalFailure()) return;
       expectNoLeaks(twins.grid, twins.scene, raysFromInside, compression());

@@ -28,7 +28,7 @@ protected:
       settings.frameLevel = frameLevel;
       const Twins twins(device, cubeCage(), settings);
       const std::vector<RTCRayHit> outside = raysAt(random, 1000);
-      if (compression() == RTC_COMPRESSION_GRID) expectEqualToGrid(twins.grid, twins.scene, outside, cubeCage());
+      if (compression() == RTC_COMPRESSION_CGRID) expectEqualToGrid(twins.grid, twins.scene, outside, cubeCage());
       else expectHitsNearGrid(twins.grid, twins.scene, outside);
       if (HasFatalFailure()) return;
       expectNoLeaks(twins.grid, twins.scene, inside, compression());
@@ -100,7 +100,7 @@ TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
     }
     EXPECT_GT(hits, 1500);
     // the rest are leaves seen from the side, which are solid or missed within their thickness
-    EXPECT_LE(behind, compression() == RTC_COMPRESSION_LEAF ? hits/100 : 0) << "frame level " << frameLevel;
+    EXPECT_LE(behind, compression() == RTC_COMPRESSION_CLEAF ? hits/100 : 0) << "frame level " << frameLevel;
   }
 }
 

@@ -36,7 +36,7 @@ inline std::vector<Tracer> tracers()
 {
   std::vector<Tracer> list;
   for (RTCCompression compression :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
     for (const char* isa : {TEST_ISAS}) list.push_back({compression, isa});
   return list;
 }

@@ -124,7 +124,7 @@ TEST_P(HardRays, FromFarAway)
         d[k] = target[k] - o[k];
       }
       const RTCRayHit ray = makeRay(o, d);
-      for (int k = compression() == RTC_COMPRESSION_GRID ? 0 : 1; k < 2; k++)
+      for (int k = compression() == RTC_COMPRESSION_CGRID ? 0 : 1; k < 2; k++)
         leaks[k] += !isHit(intersect(scenes[k], ray));
     }
     // cGRID has GRID's triangles, where some rays pass through edges

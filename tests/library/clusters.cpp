@@ -31,7 +31,7 @@ struct Stored
   RTCGeometry geometry;
 
   explicit Stored(RTCGeometry geometry) : geometry(geometry) {}
-  Stored(RTCDevice device, const Cage& cage, SurfaceSettings settings, RTCCompression kind = RTC_COMPRESSION_VERT)
+  Stored(RTCDevice device, const Cage& cage, SurfaceSettings settings, RTCCompression kind = RTC_COMPRESSION_CVERT)
   {
     settings.compression = kind;
     geometry = newSurface(device, cage, settings);
@@ -145,12 +145,12 @@ TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
   Random random(173);
   std::vector<Diced> all = {dicedSheet(1, 50), dicedSheet(3, 8), dicedBall(2, 9), dicedBall(2, 17, 3)};
   for (const Diced& diced : all) {
-    expectClusters(Stored(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+    expectClusters(Stored(newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
     const DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
     for (const DicedMesh& mesh : {quads, trianglesOf(quads), trianglesOf(quads, 1, 2)})
-      expectClusters(Stored(newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+      expectClusters(Stored(newMesh(device, mesh, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
   }
-  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)),
+  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)),
                  false);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -166,7 +166,7 @@ TEST(Clusters, ReasonForFloatsIsReported)
     for (int i = 0; i < 4; i++) if (judge.report.numClustersOf[i] == judge.report.numClusters) return i;
     return -1;
   };
-  const Stored raw(device, cubeCage(), settings, RTC_COMPRESSION_GRID);
+  const Stored raw(device, cubeCage(), settings, RTC_COMPRESSION_CGRID);
   settings.timeSteps = 3;
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
   const Stored moving(device, cubeCage(), settings);
@@ -191,7 +191,7 @@ TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
     const float t = float(y % 3)/3;
     return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
   });
-  const Stored grids(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
+  const Stored grids(newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
   for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
     const ClusterJudge judge(grids, 0, format);
     EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_REASON_RAW], 0u);
@@ -211,7 +211,7 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   rtcForEachCompressedCluster(cube, 0, RTCClusterFormat(3), nullptr, nullptr, &report);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(device.message.find("3"), std::string::npos) << device.message;
-  const Stored leaves(device, cubeCage(), settings, RTC_COMPRESSION_LEAF);
+  const Stored leaves(device, cubeCage(), settings, RTC_COMPRESSION_CLEAF);
   rtcForEachCompressedCluster(leaves, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, &report);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr);
@@ -230,7 +230,7 @@ TEST(Clusters, CallbackMayReleaseTheGeometry)
   Device device;
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
   struct Callback { RTCGeometry geometry; Memory& memory; ssize_t freed; } callback = {nullptr, memory, 0};
-  callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+  callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   const ssize_t before = memory.live;
   RTCCompressedClusterReport report;
   rtcForEachCompressedCluster(

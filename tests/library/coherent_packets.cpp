@@ -97,7 +97,7 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Compression, CoherentPackets,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT),
   [](const auto& info) { return kindName(info.param); });
 
 void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::map<size_t, Traced>& found)

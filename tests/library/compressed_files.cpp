@@ -170,8 +170,8 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
     rtcReleaseGeometry(geometry);
   }
   EXPECT_EQ(access((folder/"all").c_str(), F_OK), -1) << "the file exists before it is complete";
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
-  EXPECT_FALSE(rtcCommitCompressedFile(writer));
+  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
+  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcReleaseCompressedFileWriter(writer);
   device.errors = 0;
@@ -182,8 +182,8 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
   Scene scene(device);
   size_t quads = 0;
   for (unsigned i = 0; i < all.size(); i++) {
-    RTCCompressedFileGeometry description;
-    ASSERT_TRUE(rtcGetCompressedFileGeometry(file, i, &description));
+    RTCCompressedFileGeometryInfo description;
+    ASSERT_TRUE(rtcGetCompressedFileGeometryInfo(file, i, &description));
     EXPECT_EQ(description.timeStepCount > 1, all[i].moves);
     EXPECT_GT(description.primitiveCount, 0u);
     RTCCompressionStatistics statistics;
@@ -387,7 +387,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder/"a").c_str()));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   refused(geometry, "has not been compressed");
   Scene scene(device);
@@ -395,7 +395,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   rtcCommitScene(scene);
   rtcSetGeometryMask(geometry, 3);
   refused(geometry, "changed since");
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   settings.rate = 300;
   OneGeometry high(device, newSurface(device, quadCage(), settings));
   refused(high.geometry, "GRID");
@@ -415,7 +415,7 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
   std::vector<RTCGeometry> geometries = {allSaveable()[0].make(device)};
   for (const Cage& cage : {holes, border})
     for (unsigned timeSteps : {1u, 2u, 5u})
-      for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+      for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {
         SurfaceSettings settings;
         settings.timeSteps = timeSteps;
         if (timeSteps > 1) { settings.begin = 0.25f; settings.end = 1.5f; }
@@ -423,7 +423,7 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
       }
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
   for (RTCGeometry geometry : geometries) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
   rtcReleaseCompressedFileWriter(writer);
   RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
   ASSERT_NE(file, nullptr) << "one geometry prevents opening the others: " << device.message;
@@ -471,7 +471,7 @@ TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
           device.takeError();
           RTCGeometry geometry = newSurface(device, cage, settings);
           refused += device.takeError() != RTC_ERROR_NONE; // an invalid time range
-          releasing(geometry, RTC_COMPRESSION_VERT);
+          releasing(geometry, RTC_COMPRESSION_CVERT);
           if (rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) {
             RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
             EXPECT_NE(loaded, nullptr) << device.message;

@@ -122,13 +122,13 @@ TEST(Settings, GeometryOverridesDeviceOverridesEnvironment)
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
   EXPECT_EQ(representation("cbvh_frame_level=3"), "leaf 3");
   EXPECT_EQ(representation("subdiv_accel=bvh4.grid.eager"), "none");
-  RTCCompressionArguments args = arguments(RTC_COMPRESSION_GRID);
+  RTCCompressionArguments args = arguments(RTC_COMPRESSION_CGRID);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3", &args), "grid 3");
   args = arguments(RTC_COMPRESSION_INHERIT, 0);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3", &args), "voxel 0");
   args = arguments(RTC_COMPRESSION_NONE);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "none");
-  args = arguments(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1e-30f);
+  args = arguments(RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1e-30f);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
@@ -291,7 +291,7 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_VOXEL;
+  settings.compression = RTC_COMPRESSION_CVOXEL;
   settings.frameLevel = 1;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
 
@@ -303,40 +303,40 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
   };
   expectError(nullptr, "args", "NULL");
   for (int value : {-1, 6, 99, 1 << 30}) {
-    RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
     std::memcpy(&args.compression, &value, sizeof(value));
     expectError(&args, "compression", std::to_string(value));
   }
   for (int value : {-3, 9, -(1 << 30), 1 << 30}) {
-    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF, value);
+    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF, value);
     expectError(&args, "frameLevel", std::to_string(value));
   }
   for (float value : {INFINITY, -INFINITY, NAN}) {
-    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF, 2, value);
+    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF, 2, value);
     expectError(&args, "maxError", std::isnan(value) ? "nan" : "inf");
   }
 
   for (float value : {-1.0f, INFINITY, NAN}) {
-    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_CVERT);
     args.maxPixelError = value;
     args.pixelSize = 1;
     expectError(&args, "maxPixelError", std::isnan(value) ? "nan" : std::isinf(value) ? "inf" : "-1");
   }
   for (float value : {0.0f, -2.0f, INFINITY}) {
-    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_CVERT);
     args.maxPixelError = 1;
     args.pixelSize = value;
     expectError(&args, "pixelSize", std::isinf(value) ? "inf" : value < 0 ? "-2" : "0");
   }
   {
-    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_CVERT);
     args.maxPixelError = args.pixelSize = 1;
     args.cameraPosition[1] = NAN;
     expectError(&args, "cameraPosition", "nan");
   }
 
   rtcGetDeviceError(nullptr);
-  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
   rtcSetGeometryCompression(nullptr, &args);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
 
@@ -351,7 +351,7 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
 TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
 {
   Device device;
-  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
   std::vector<RTCGeometryType> types{RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER};
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED))
     types.push_back(RTC_GEOMETRY_TYPE_SPHERE_POINT);
@@ -372,7 +372,7 @@ TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes)
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   Scene scene(device);
   RTCCompressionStatistics stats;
   rtcGetDeviceError(nullptr);
@@ -410,7 +410,7 @@ TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
 {
   Device device;
   Displacement displacement;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
     SurfaceSettings settings;
     settings.displacement = &displacement;
     settings.compression = kind;
@@ -422,14 +422,14 @@ TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
     const RTCCompressionStatistics s = statisticsOf(scene);
     EXPECT_EQ(s.numBlocks, 24u);
     EXPECT_EQ(s.numQuads, 24u*64);
-    EXPECT_EQ(s.nodeBytes, 24u*4*(kind == RTC_COMPRESSION_GRID ? 5 : 21));
-    const size_t leaf = kind == RTC_COMPRESSION_GRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_LEAF ? 128 : 0;
+    EXPECT_EQ(s.nodeBytes, 24u*4*(kind == RTC_COMPRESSION_CGRID ? 5 : 21));
+    const size_t leaf = kind == RTC_COMPRESSION_CGRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_CLEAF ? 128 : 0;
     EXPECT_GE(s.leafBytes, 24*leaf);
     EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // includes the alignment of the next block
     EXPECT_EQ(s.headerBytes, 24u*76);
     EXPECT_GT(s.topLevelBytes, 0u);
     EXPECT_EQ(s.uncompressedBytes, 0u);
-    if (kind != RTC_COMPRESSION_GRID) { EXPECT_GT(s.maxLeafThickness, 0); }
+    if (kind != RTC_COMPRESSION_CGRID) { EXPECT_GT(s.maxLeafThickness, 0); }
   }
 }
 
@@ -437,7 +437,7 @@ TEST(MaxError, BoundsThicknessOfLeavesWithAutomaticFrameLevel)
 {
   Device device;
   Displacement displacement;
-  for (RTCCompression kind : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
     size_t blocks = 0;
     for (float maxError : {0.2f, 0.05f, 0.02f}) {
       Scene scene(device);
@@ -509,7 +509,7 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
 TEST(Memory, StatisticsMatchMemoryMonitor)
 {
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
     const Sizes small = measure(kind, sheetCage(8), 4), large = measure(kind, sheetCage(8), 128);
     const double added = double(large.result) - double(small.result), stated = double(large.sum) - double(small.sum);
@@ -526,7 +526,8 @@ TEST(Memory, StatisticsMatchMemoryMonitor)
 TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 {
   const float rate = 256;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
     for (unsigned threads : {1, 2}) {
       SCOPED_TRACE(testing::Message() << "compression " << kind << ", threads " << threads);
       const Sizes sizes = measure(kind, sheetCage(6), rate, "threads=" + std::to_string(threads));
@@ -541,7 +542,7 @@ TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 TEST(Memory, MonitorSeesAllMemory)
 {
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
     measure(kind, sheetCage(8), 4); // TBB creates its threads and arenas only once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
@@ -555,7 +556,7 @@ TEST(Memory, MonitorSeesAllMemoryDuringCommit)
 {
   mallopt(M_MMAP_THRESHOLD, 64*1024); // the allocator maps large pieces directly
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
     Memory memory;
     Device device("threads=1");
@@ -579,7 +580,7 @@ TEST(Memory, MonitorSeesAllMemoryDuringCommit)
     live = memory.live;
     rtcCommitScene(scene);
     // cVERT evaluates borders in advance: each corner once for both of its borders
-    EXPECT_EQ(calls, kind == RTC_COMPRESSION_VERT ? 12u : 4u);
+    EXPECT_EQ(calls, kind == RTC_COMPRESSION_CVERT ? 12u : 4u);
     EXPECT_LE(unknown, 256*1024);
     displacement.poison = nullptr;
   }
@@ -611,7 +612,7 @@ TEST(Progress, RisesToOne)
     Displacement displacement;
     SurfaceSettings settings;
     settings.displacement = &displacement;
-    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.compression = RTC_COMPRESSION_CLEAF;
     settings.rate = tasks.first;
     Scene scene(device);
     addSurface(device, scene, tasks.second, settings);
@@ -631,7 +632,7 @@ TEST(Progress, CancelledCommitCanBeRepeated)
 {
   Memory memory;
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     {
       Device device;
       rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -672,7 +673,7 @@ TEST(Progress, CancelledCommitCanBeRepeated)
 TEST(Dynamic, ScenesFollowChanges)
 {
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     Memory memory;
     Device device;
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -716,9 +717,9 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   addSurface(device, scene, cubeCage(), settings);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
   const struct { RTCCompression kind; int frameLevel; const char* name;
-  } steps[] = {{RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"},
-               {RTC_COMPRESSION_LEAF, 0, "leaf 0"},  {RTC_COMPRESSION_GRID, 1, "grid 1"},
-               {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"},
+  } steps[] = {{RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_CLEAF, 2, "leaf 2"},
+               {RTC_COMPRESSION_CLEAF, 0, "leaf 0"},  {RTC_COMPRESSION_CGRID, 1, "grid 1"},
+               {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_CVOXEL, 4, "voxel 4"},
                {RTC_COMPRESSION_INHERIT, 0, "none"}};
   for (const auto& step : steps) {
     const RTCCompressionArguments args = arguments(step.kind, step.frameLevel);

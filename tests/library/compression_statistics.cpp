@@ -45,7 +45,7 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
   RTCCompressionStatistics alone[2];
   for (int i = 0; i < 2; i++) {
     settings[i].displacement = displacements[i];
-    settings[i].compression = RTC_COMPRESSION_LEAF;
+    settings[i].compression = RTC_COMPRESSION_CLEAF;
     settings[i].frameLevel = 1; // blocks small enough that some have only an affine frame
     settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
     std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, which includes edges of its neighbors
@@ -73,7 +73,7 @@ TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
   Device device;
   Displacement displacement;
   const Cage cage = quadCage();
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+  for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF})
     for (int height = 0; height <= 3; height++) {
       SurfaceSettings settings;
       settings.displacement = &displacement;
@@ -92,7 +92,7 @@ TEST(CompressionStatistics, AffineBlocksAreCounted)
 {
   Device device;
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   settings.rate = 8;
   settings.frameLevel = 0;
   Cage trapezoid = quadCage(), dented = quadCage();
@@ -109,7 +109,7 @@ TEST(CompressionStatistics, DescribeTheLastCommit)
 {
   Device device;
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, quadCage(), settings);
   rtcCommitScene(scene);
@@ -126,7 +126,7 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
 {
   Device device;
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, cubeCage(), settings);
   const unsigned second = addSurface(device, scene, quadCage(), settings);
@@ -134,7 +134,7 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VOXEL;
+  args.compression = RTC_COMPRESSION_CVOXEL;
   const std::pair<const char*, std::function<void()>> changes[] = {
     {"vertices", [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); }},
     {"compression", [&] { rtcSetGeometryCompression(geometry, &args); }},
@@ -158,7 +158,7 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces)
   SurfaceSettings settings;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, quadCage(), settings);
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   RTCGeometry compressed = newSurface(device, cubeCage(), settings);
   rtcDisableGeometry(compressed);
   const unsigned id = attach(scene, compressed);
@@ -173,7 +173,7 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 TEST(CompressionStatistics, CountMovingGeometry)
 {
   for (RTCCompression compression :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     Device device;
     SurfaceSettings settings;
     Scene scene(device);
@@ -199,7 +199,7 @@ TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
   Device device;
   const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
     SurfaceSettings settings;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     settings.timeSteps = timeSteps;
     settings.motion = [&](const Vec& p, unsigned step) {
       return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]};
@@ -227,7 +227,7 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
     DicedMesh mesh = triangles;
     mesh.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], float(step)}; };
     Scene scene(device);
-    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
     rtcCommitScene(scene);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
@@ -269,7 +269,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
                {"20 corners, at which all quads are", large, 22, false},
                {"2 corners", tiny, 0, true}};
   for (const Case& c : cases)
-    for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+    for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << kindName(compression));
       Device device;
       SurfaceSettings settings;
@@ -308,16 +308,16 @@ TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
     rtcCommitScene(scene);
     return statisticsOf(scene).cacheBytesPerThread;
   };
-  const size_t vert = bytesOf({RTC_COMPRESSION_VERT}), leaf = bytesOf({RTC_COMPRESSION_LEAF});
-  const size_t moving = bytesOf({RTC_COMPRESSION_VERT}, true);
+  const size_t vert = bytesOf({RTC_COMPRESSION_CVERT}), leaf = bytesOf({RTC_COMPRESSION_CLEAF});
+  const size_t moving = bytesOf({RTC_COMPRESSION_CVERT}, true);
   EXPECT_EQ(bytesOf({}), 0u);
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_NONE}), 0u);
   for (size_t bytes : {vert, leaf, moving}) {
     EXPECT_GT(bytes, size_t(1) << 16);
     EXPECT_LE(bytes, cacheLimit());
   }
-  EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}), vert) << "geometries share the caches";
-  EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}), vert + leaf);
+  EXPECT_EQ(bytesOf({RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT}), vert) << "geometries share the caches";
+  EXPECT_EQ(bytesOf({RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}), vert + leaf);
 }
 
 // The frame level of a face is determined by its roughest sub-patch.
@@ -330,7 +330,7 @@ TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
     displacement.amplitude = 0;
     SurfaceSettings settings;
     settings.displacement = &displacement;
-    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.compression = RTC_COMPRESSION_CLEAF;
     settings.frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO;
     settings.maxError = 0.003f;
     settings.rate = 32;

@@ -195,7 +195,7 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
 {
   Random random(7);
   const std::vector<RTCRayHit> rays = raysAt(random, 2000);
-  for (RTCCompression compression : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_GRID})
+  for (RTCCompression compression : {RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CGRID})
     for (const auto& [u, v] :
          {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
       SCOPED_TRACE(testing::Message() << kindName(compression) << " at " << u << ", " << v);
@@ -378,7 +378,7 @@ TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
   EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry));
   rtcReleaseCompressedFileWriter(writer);
   writer = rtcNewCompressedFileWriter(device, path.c_str());
-  EXPECT_FALSE(rtcCommitCompressedFile(writer)) << "without a geometry";
+  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer)) << "without a geometry";
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcReleaseCompressedFileWriter(writer);
   EXPECT_EQ(folder.names().size(), 1u);

@@ -121,7 +121,7 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
   behind.direction[2] = 1;    // the surface is behind the camera
   const float seen = surface.rates(all)[0];
   for (float outside : {1.0f, 4.0f, 16.0f}) {
-    behind.outside = outside;
+    behind.outsideFactor = outside;
     EXPECT_EQ(surface.rates(behind)[0], seen/outside);
   }
 }
@@ -273,7 +273,7 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
   for (float bad : {0.0f, -1.0f, nan, inf}) {
     refuses("pixelSize", [=](RTCDicingArguments& a) { a.pixelSize = bad; });
     refuses("quadSize", [=](RTCDicingArguments& a) { a.quadSize = bad; });
-    refuses("outside", [=](RTCDicingArguments& a) { a.outside = bad; });
+    refuses("outsideFactor", [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
     refuses("maxRate", [=](RTCDicingArguments& a) { a.maxRate = bad; });
   }
   refuses("maxRate", [](RTCDicingArguments& a) { a.maxRate = 4097; });
@@ -307,11 +307,11 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
   const Folder folder;
   const RTCDicingArguments args = cameraAt(0, 0, 5);
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   RTCCompressionArguments compression;
   rtcInitCompressionArguments(&compression);
-  compression.compression = RTC_COMPRESSION_VERT;
+  compression.compression = RTC_COMPRESSION_CVERT;
   compression.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   rtcSetGeometryCompression(geometry, &compression);
   rtcCommitGeometry(geometry);

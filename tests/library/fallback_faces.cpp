@@ -19,7 +19,7 @@ namespace {
 SurfaceSettings leaf(float rate, bool fallbackFaces)
 {
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   settings.fallbackFaces = fallbackFaces;
   settings.rate = rate;
   return settings;

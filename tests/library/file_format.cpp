@@ -247,7 +247,7 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
     rtcCommitScene(scene);
     quads.push_back(statisticsOf(scene).numQuads);
   }
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
   rtcReleaseCompressedFileWriter(writer);
   const std::string bytes = bytesOf(folder/"all");
   Reader reader(bytes);

@@ -246,7 +246,8 @@ TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   RTCGeometry geometry = newCounted(device, displacement);
   rtcAttachGeometryByID(scene, geometry, 6);
-  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_NONE}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_NONE}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = kind;
@@ -261,9 +262,9 @@ TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
 // Surfaces with motion blur, compressed and as Embree's GRID, next to other geometries.
 TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
 {
-  for (RTCCompression still : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
-    for (RTCCompression first : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
-      for (RTCCompression second : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression still : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT})
+    for (RTCCompression first : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT})
+      for (RTCCompression second : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT}) {
         Device device;
         Scene scene(device);
         unsigned id = 3;

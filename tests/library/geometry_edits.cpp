@@ -25,8 +25,8 @@ unsigned numberIn(const char* variable, unsigned otherwise)
   return text ? unsigned(std::strtoul(text, nullptr, 10)) : otherwise;
 }
 
-const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF,
-                                RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
+const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF,
+                                RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_NONE};
 
 class EditedSurface
 {
@@ -35,7 +35,7 @@ public:
   {
     settings.rate = 4;
     settings.displacement = &displacement;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     geometry = newSurface(device, cage, settings);
   }
   ~EditedSurface() { rtcReleaseGeometry(geometry); }
@@ -213,7 +213,7 @@ private:
   static SurfaceSettings settings()
   {
     SurfaceSettings settings;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     return settings;
   }
 

@@ -78,7 +78,7 @@ TEST_P(GridGeometry, MixedScenesMatchEmbree)
     rtcReleaseGeometry(rtcGetGeometry(scene, 5));
     rtcReleaseGeometry(rtcGetGeometry(scene, 2));
     SurfaceSettings settings;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     Cage sheet = sheetCage(2);
     for (Vec& p : sheet.positions) p[2] += 0.75f;
     addSurface(device, scene, sheet, settings);
@@ -86,7 +86,7 @@ TEST_P(GridGeometry, MixedScenesMatchEmbree)
   };
   Scene embree(device), scene(device);
   fill(embree, RTC_COMPRESSION_NONE);
-  fill(scene, RTC_COMPRESSION_VERT);
+  fill(scene, RTC_COMPRESSION_CVERT);
   Scene instances[2] = {Scene(device), Scene(device)};
   for (int i = 0; i < 2; i++) {
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -112,7 +112,7 @@ TEST_P(GridGeometry, MasksAndFilters)
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   const Diced diced = dicedSheet(2, 20);
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
-  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT);
   attach(scene, geometry);
   rtcCommitScene(scene);
   RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
@@ -290,8 +290,8 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   };
   Device plain, ofString("subdiv_accel=cbvh.leaf");
   EXPECT_EQ(quads(plain, RTC_COMPRESSION_INHERIT), 0u);
-  EXPECT_EQ(quads(plain, RTC_COMPRESSION_VERT), 1600u);
-  EXPECT_EQ(quads(plain, RTC_COMPRESSION_LEAF), 1600u) << "diced geometry is stored as cVERT";
+  EXPECT_EQ(quads(plain, RTC_COMPRESSION_CVERT), 1600u);
+  EXPECT_EQ(quads(plain, RTC_COMPRESSION_CLEAF), 1600u) << "diced geometry is stored as cVERT";
   EXPECT_EQ(quads(ofString, RTC_COMPRESSION_INHERIT), 1600u);
   EXPECT_EQ(quads(ofString, RTC_COMPRESSION_NONE), 0u);
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
@@ -302,14 +302,15 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   attach(scene, geometry);
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
   for (RTCCompression compression :
-       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT,
+        RTC_COMPRESSION_CVERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
-    EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_VERT ? 1600u : 0u);
+    EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_CVERT ? 1600u : 0u);
     EXPECT_TRUE(isHit(intersect(scene, down)));
   }
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
@@ -323,7 +324,7 @@ TEST(GridSurfaces, SmallestGridsAreNotCompressed)
   const RTCRayHit down = makeRay({0.33f, 0.21f, 5}, {0, 0, -1});
   const auto quads = [&](unsigned flags) {
     Scene scene(device);
-    attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT, flags));
+    attach(scene, newGrids(device, diced, RTC_COMPRESSION_CVERT, flags));
     rtcCommitScene(scene);
     EXPECT_TRUE(isHit(intersect(scene, down)));
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -369,7 +370,7 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
   Diced diced = dicedSheet(2, 16);
   diced.grids.push_back({0, 0, 65535, 65535});
   for (unsigned i = 0; i < 65535; i++) diced.vertices.push_back({0, 0, 0});
-  rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_VERT));
+  rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_CVERT));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos)
     << device.message;
@@ -386,7 +387,7 @@ TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   std::atomic<unsigned> calls(0);
-  args.compression = RTC_COMPRESSION_VERT;
+  args.compression = RTC_COMPRESSION_CVERT;
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   args.progressUserPtr = &calls;
   args.progress = [](void* calls, double) { return ++*(std::atomic<unsigned>*)calls < 4; };
@@ -406,7 +407,7 @@ TEST(GridSurfaces, InputIsReleased)
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
   const Diced diced = dicedSheet(4, 64);
   const ssize_t before = memory.live;
-  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   Scene scene(device);
   rtcAttachGeometry(scene, geometry);
   rtcCommitScene(scene);
@@ -447,7 +448,7 @@ TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
     return ++m.calls < m.last;
   };
   Scene scene(device);
-  attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT));
+  attach(scene, newGrids(device, diced, RTC_COMPRESSION_CVERT));
   rtcSetSceneProgressMonitorFunction(scene, tell, &monitor);
   monitor.last = 3;
   rtcCommitScene(scene);
@@ -475,7 +476,7 @@ TEST(GridSurfaces, MemoryIsSmall)
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
     const Diced diced = dicedSheet(s.n, s.quads);
     Scene scene(device);
-    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT);
     attach(scene, geometry);
     const ssize_t before = memory.live;
     rtcCommitScene(scene);

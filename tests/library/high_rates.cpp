@@ -30,9 +30,9 @@ SurfaceSettings settingsOf(RTCCompression compression, Displacement* displacemen
 }
 
 class HighRates : public testing::TestWithParam<RTCCompression> {};
-INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF),
+INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF),
                          [](const auto& info) {
-                           return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF");
+                           return std::string(info.param == RTC_COMPRESSION_CVERT ? "cVERT" : "cLEAF");
                          });
 
 // A quad of the longest side is 1/100 wide.
@@ -82,7 +82,7 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
   for (const auto& draw : {highest({1, 2, 280}), highest({1, 5, 1000}), highest({1, 3, 4096})}) {
     Random random(112);
     Displacement displacement;
-    SurfaceSettings settings = settingsOf(RTC_COMPRESSION_VERT, &displacement);
+    SurfaceSettings settings = settingsOf(RTC_COMPRESSION_CVERT, &displacement);
     settings.edgeRates = drawRates(cage, random, draw);
     // faces with two higher rates would have millions of quads; both sides of an edge may have different rates
     for (size_t first = 0; first < cage.indices.size(); first += 4) {
@@ -104,7 +104,7 @@ TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB)
     Device device("threads=1");
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
     Displacement displacement;
-    SurfaceSettings settings = settingsOf(RTC_COMPRESSION_VERT, &displacement);
+    SurfaceSettings settings = settingsOf(RTC_COMPRESSION_CVERT, &displacement);
     settings.edgeRates = {4096, across, 4096, across};
     const SurfaceScene scene(device, quadCage(), settings);
     const ssize_t primitives = 64*ssize_t(statisticsOf(scene).numBlocks);

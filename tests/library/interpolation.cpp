@@ -108,7 +108,7 @@ void forEachForm(const Cage& cage, const Cage* others, const Check& check)
   for (int form = 0; form < 3; form++) {
     SCOPED_TRACE(form == 0 ? "uncompressed" : form == 1 ? "compressed" : "released");
     Device device;
-    const RTCCompression compression = form == 0 ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_VERT;
+    const RTCCompression compression = form == 0 ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_CVERT;
     RTCGeometry geometry = newGeometry(device, cage, others, compression, form == 2);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     std::vector<On> buffers = {On::Attribute};
@@ -270,7 +270,7 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
 
     SurfaceSettings settings;
     settings.rate = 8;
-    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {
       SCOPED_TRACE(kindName(compression));
       settings.compression = compression;
       const SurfaceScene expected(device, cube, settings), found(device, cage, settings);

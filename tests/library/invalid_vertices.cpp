@@ -21,8 +21,8 @@ std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
   return kindName(info.param);
 }
 INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices,
-                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
-                                         RTC_COMPRESSION_VERT),
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
                          nameOf);
 
 constexpr int quads = 16;
@@ -74,7 +74,7 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
       rtcGetSceneBounds(scene, &bounds);
       EXPECT_TRUE(std::isfinite(bounds.lower_x) && std::isfinite(bounds.upper_z));
 
-      const bool hasVertices = GetParam() == RTC_COMPRESSION_GRID || GetParam() == RTC_COMPRESSION_VERT;
+      const bool hasVertices = GetParam() == RTC_COMPRESSION_CGRID || GetParam() == RTC_COMPRESSION_CVERT;
       // Rays straight down at the first triangle of each quad. Quads next to a hole may extend into it by a leaf's
       // overlap or thickness.
       for (int y = 0; y < quads; y++)
@@ -135,7 +135,7 @@ TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
   settings.frameLevel = 1;
   std::vector<std::string> blocks[2];
   for (int i = 0; i < 2; i++) {
-    settings.compression = i ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VOXEL;
+    settings.compression = i ? RTC_COMPRESSION_CLEAF : RTC_COMPRESSION_CVOXEL;
     const SurfaceScene scene(device, quadCage(), settings);
     for (const embree::cbvh::Block* block : sceneBlocks(scene))
       blocks[i].emplace_back((const char*)block, block->layout().bytes);
@@ -174,7 +174,7 @@ TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete)
   settings.frameLevel = 2;
   const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
-  EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_VERT ? 5u : 5u*16);
+  EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_CVERT ? 5u : 5u*16);
   Random random(71);
   for (int i = 0; i < 2000; i++) { // from the center: all sides except for -y
     Vec d = {float(random.uniform(-1, 1)), float(random.uniform(-0.5, 1)), float(random.uniform(-1, 1))};

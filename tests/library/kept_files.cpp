@@ -78,7 +78,7 @@ RTCGeometry newLosslessGrids(RTCDevice device)
   RTCGeometry geometry = newGrids(device, grids);
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VERT;
+  args.compression = RTC_COMPRESSION_CVERT;
   args.maxError = 0;
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   rtcSetGeometryCompression(geometry, &args);
@@ -88,20 +88,20 @@ RTCGeometry newLosslessGrids(RTCDevice device)
 
 RTCGeometry newKeptMesh(RTCDevice device, const DicedMesh& mesh, unsigned timeSteps)
 {
-  return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+  return newMesh(device, mesh, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
 }
 
 std::vector<KeptFile> allKeptFiles()
 {
   return {
     {"framed1_leaves", 5, 0x22c5e68b, [](RTCDevice device) {
-      return newCage(device, cubeCage(), RTC_COMPRESSION_LEAF, 6, 1);
+      return newCage(device, cubeCage(), RTC_COMPRESSION_CLEAF, 6, 1);
     }},
     {"vert5_cage", 5, 0x8cc4c716, [](RTCDevice device) {
-      return newCage(device, sheetCage(5), RTC_COMPRESSION_VERT, 4, 1);
+      return newCage(device, sheetCage(5), RTC_COMPRESSION_CVERT, 4, 1);
     }},
     {"vert5_moving_cage", 5, 0x0a957573, [](RTCDevice device) {
-      return newCage(device, sheetCage(2), RTC_COMPRESSION_VERT, 5, 3);
+      return newCage(device, sheetCage(2), RTC_COMPRESSION_CVERT, 5, 3);
     }},
     {"vert5_lossless_grids", 5, 0xfe82b268, newLosslessGrids},
     {"vert5_diced_triangles", 5, 0xccfd560d, [](RTCDevice device) {

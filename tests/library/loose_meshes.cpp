@@ -96,7 +96,7 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE);
   const ssize_t inputBytes = memory.live - empty;
   rtcReleaseGeometry(input);
-  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
   rtcCommitScene(scene);
   const double bytes = double(memory.live - empty - inputBytes)/double(mesh.size());
   const RTCCompressionStatistics stats = statisticsOf(scene);
@@ -124,7 +124,7 @@ TEST(LooseMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
       mesh.vertices.push_back({p[0] + 1, p[1] + 0.3f + y, p[2] + 0.2f - y});
     }
     Scene scene(device);
-    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     const RTCCompressionStatistics stats = statisticsOf(scene);
     EXPECT_EQ(stats.numIrregularQuads, 2000u);
@@ -150,7 +150,7 @@ TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
       jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3/side), random);
     Scene scene(device);
     const ssize_t before = memory.live;
-    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     const RTCCompressionStatistics stats = statisticsOf(scene);
     const double stored =

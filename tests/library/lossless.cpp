@@ -109,9 +109,9 @@ TEST(LosslessVertices, MatchApplicationAtAnyPosition)
     for (const Vec& p : diced.vertices) expected.insert(withoutSign(p));
     const DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
     const std::pair<const char*, RTCGeometry> geometries[] = {
-      {"grids", newGrids(device, diced, RTC_COMPRESSION_VERT)},
-      {"quads", newMesh(device, quads, RTC_COMPRESSION_VERT)},
-      {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_VERT)}};
+      {"grids", newGrids(device, diced, RTC_COMPRESSION_CVERT)},
+      {"quads", newMesh(device, quads, RTC_COMPRESSION_CVERT)},
+      {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_CVERT)}};
     for (const auto& g : geometries) {
       SCOPED_TRACE(g.first);
       Scene scene(device);
@@ -316,7 +316,7 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
   const unsigned raysOfSource = unsigned(randomRounds(320));
   for (const Source& source : allSources(random)) {
     SCOPED_TRACE(source.name);
-    const SourceScene embree(device, source, RTC_COMPRESSION_NONE), ours(device, source, RTC_COMPRESSION_VERT);
+    const SourceScene embree(device, source, RTC_COMPRESSION_NONE), ours(device, source, RTC_COMPRESSION_CVERT);
     const RTCCompressionStatistics stats = statisticsOf(ours);
     ASSERT_GT(stats.numQuads, 0u);
     ASSERT_EQ(stats.maxVertexDeviation, 0);
@@ -388,7 +388,7 @@ TEST_P(Lossless, FilesHaveTheSameHits)
   for (const Source& source : allSources(random)) {
     SCOPED_TRACE(source.name);
     Folder folder;
-    const SourceScene embree(device, source, RTC_COMPRESSION_NONE), saved(device, source, RTC_COMPRESSION_VERT);
+    const SourceScene embree(device, source, RTC_COMPRESSION_NONE), saved(device, source, RTC_COMPRESSION_CVERT);
     ASSERT_TRUE(rtcSaveCompressedGeometry(saved.geometry, (folder/"lossless").c_str())) << device.message;
     const RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder/"lossless").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;

@@ -297,7 +297,7 @@ TEST(Meshes, VerticesThatSeparateAreNotWelded)
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
     if (asTriangles) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, both.triangles);
     else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, both.quads);
-    commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+    commitAs(geometry, RTC_COMPRESSION_CVERT, 0);
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);
@@ -356,13 +356,13 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
     return least;
   };
   const RTCCompressionStatistics expected = statisticsOf(MeshScene(device, natural));
-  const double expectedTime = secondsToFind(natural, RTC_COMPRESSION_VERT);
+  const double expectedTime = secondsToFind(natural, RTC_COMPRESSION_CVERT);
   for (const DicedMesh& mesh : {reversed, withShuffledFaces(natural, random)}) {
     const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, mesh));
     EXPECT_EQ(stats.numMeshQuads, natural.quads.size());
     EXPECT_LE(stats.numIrregularQuads, expected.numIrregularQuads + 400);
     EXPECT_LE(double(stats.numBlocks), 1.1*double(expected.numBlocks));
-    EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_VERT), 6*expectedTime);
+    EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_CVERT), 6*expectedTime);
   }
 }
 
@@ -396,7 +396,7 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
   for (const DicedMesh& mesh : {heap, triangles, apart, one})
     for (unsigned timeSteps : {1u, 2u}) {
       Scene scene(device);
-      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
       rtcCommitScene(scene);
       EXPECT_EQ(statisticsOf(scene).numIrregularQuads > 0, mesh.size() > 1);
       EXPECT_EQ(statisticsOf(scene).numIrregularQuads, statisticsOf(scene).numQuads);
@@ -404,7 +404,7 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
       EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
     }
   Scene refitted(device);
-  RTCGeometry geometry = newMesh(device, sheet, RTC_COMPRESSION_VERT);
+  RTCGeometry geometry = newMesh(device, sheet, RTC_COMPRESSION_CVERT);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcCommitGeometry(geometry);
   attach(refitted, geometry);
@@ -491,12 +491,12 @@ TEST(Meshes, CompressionCanBeSelected)
     noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
   for (const DicedMesh& mesh : {quads, triangles}) {
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_INHERIT), 0u);
-    EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_LEAF), 4096u) << "diced geometry is stored as cVERT";
+    EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_CLEAF), 4096u) << "diced geometry is stored as cVERT";
     EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_INHERIT), 4096u);
     EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_NONE), 0u);
     EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_INHERIT), mesh.isTriangleForm() ? 4096u : 0u);
     EXPECT_EQ(count(noTriangles, mesh, RTC_COMPRESSION_INHERIT), mesh.isTriangleForm() ? 0u : 4096u);
-    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_VERT), 4096u) << "the geometry's own setting";
+    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_CVERT), 4096u) << "the geometry's own setting";
   }
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 }
@@ -509,7 +509,7 @@ TEST(Meshes, ReleaseInputAfterEdits)
   for (const DicedMesh& mesh : {quads, trianglesOf(quads)}) {
     const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
     Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
-    RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT);
+    RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT);
     attach(scene, geometry);
     rtcCommitScene(scene);
     const RTCRayHit before = intersect(scene, down);
@@ -524,15 +524,15 @@ TEST(Meshes, ReleaseInputAfterEdits)
     rtcCommitScene(scene);
     EXPECT_FALSE(isHit(intersect(scene, down)));
     rtcEnableGeometry(geometry);
-    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT}) {
       RTCCompressionArguments args;
       rtcInitCompressionArguments(&args);
       args.compression = compression;
-      if (compression == RTC_COMPRESSION_VERT) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+      if (compression == RTC_COMPRESSION_CVERT) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
       rtcSetGeometryCompression(geometry, &args);
       rtcCommitGeometry(geometry);
       rtcCommitScene(scene);
-      EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_VERT ? quads.size() : 0u);
+      EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_CVERT ? quads.size() : 0u);
       EXPECT_NEAR(intersect(scene, down).ray.tfar, before.ray.tfar + 1, 1e-3);
     }
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -549,7 +549,7 @@ TEST(Meshes, CommitsReportProgress)
   const DicedMesh mesh = meshOf(dicedSheet(8, 64), QuadOrder::Rows, random);
   struct Monitor { double most = 0; size_t calls = 0; std::mutex mutex; } monitor;
   Scene scene(device);
-  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
   rtcSetSceneProgressMonitorFunction(scene, [](void* self, double done) {
     Monitor& m = *(Monitor*)self;
     const std::lock_guard<std::mutex> lock(m.mutex);
@@ -578,7 +578,7 @@ TEST(Meshes, MemoryIsSmall)
       RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE);
       const ssize_t inputBytes = memory.live - empty;
       rtcReleaseGeometry(input);
-      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
       rtcCommitScene(scene);
       const double bytes = double(memory.live - empty - inputBytes)/double(quads.size());
       const RTCCompressionStatistics stats = statisticsOf(scene);
@@ -606,7 +606,7 @@ TEST(Meshes, TrianglesOfHitsAreReported)
     for (const DicedMesh& mesh : {quads, triangles, halvesApart(triangles), anyhow, irregularQuads(quads, random),
       irregularTriangles(quads, random), partlyIrregular(quads, random, false), partlyIrregular(quads, random, true)}) {
       Scene scene(device);
-      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT);
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT);
       attach(scene, geometry);
       rtcCommitScene(scene);
       for (int i = 0; i < 500; i++) {

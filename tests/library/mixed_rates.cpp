@@ -175,7 +175,7 @@ TEST(BordersOfMixedRates, ArePolylinesOfTheirEdges)
     Scene grid(device);
     recorder.build(device, grid, cage, settings);
     settings.displacement = &recorder;
-    settings.compression = RTC_COMPRESSION_GRID;
+    settings.compression = RTC_COMPRESSION_CGRID;
     const SurfaceScene scene(device, cage, settings);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const std::vector<const embree::cbvh::Block*> blocks = sceneBlocks(scene);
@@ -203,7 +203,7 @@ TEST(BordersOfMixedRates, ArePolylinesOfTheirEdges)
 
 class MixedRates : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, MixedRates,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
 
 std::vector<RTCRayHit> raysTowards(const std::vector<Vec>& targets, Random& random)
 {
@@ -240,7 +240,7 @@ TEST(BordersOfMixedRates, CVertEvaluatesBordersAtTheirRates)
       SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, rates " << set.name);
       Random random(95);
       SurfaceSettings settings;
-      settings.compression = RTC_COMPRESSION_VERT;
+      settings.compression = RTC_COMPRESSION_CVERT;
       settings.edgeRates = drawRates(cage, random, set.draw);
       const SurfaceScene scene(device, cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -301,7 +301,7 @@ TEST(BordersOfMixedRates, HitsHaveParametersOfTheirPositions)
       settings.compression = RTC_COMPRESSION_NONE;
       Scene grid(device);
       recorder.build(device, grid, cage.cage, settings);
-      settings.compression = RTC_COMPRESSION_VERT;
+      settings.compression = RTC_COMPRESSION_CVERT;
       const SurfaceScene scene(device, cage.cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
@@ -357,7 +357,7 @@ TEST_P(MixedRates, NeighborsAreClosedWithoutGridFallback)
         const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
         const std::vector<RTCRayHit> beside = raysTowards(recorder.targetsNextTo(fine), random);
         const unsigned misses = countMisses(scene, rays), missesNextTo = countMisses(scene, beside);
-        if (GetParam() != RTC_COMPRESSION_GRID) {
+        if (GetParam() != RTC_COMPRESSION_CGRID) {
           EXPECT_EQ(misses, 0u) << "of " << rays.size();
           EXPECT_EQ(missesNextTo, 0u) << "of " << beside.size();
         }
@@ -386,7 +386,7 @@ TEST_P(MixedRates, CompressedFacesAreClosedNextToHighRates)
   const SurfaceScene scene(device, cage, settings);
   const RTCCompressionStatistics stats = statisticsOf(scene);
   EXPECT_GT(stats.numQuads, 0u);
-  const bool isVert = GetParam() == RTC_COMPRESSION_VERT;
+  const bool isVert = GetParam() == RTC_COMPRESSION_CVERT;
   EXPECT_EQ(stats.numUncompressedQuads > 0, !isVert);
   const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
   EXPECT_LE(countMisses(scene, rays), isVert ? 0 : countMisses(grid, rays)) << "of " << rays.size();

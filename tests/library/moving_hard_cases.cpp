@@ -18,7 +18,7 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 {
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.timeSteps = timeSteps;
   settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
   return settings;
@@ -86,7 +86,7 @@ TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
   for (unsigned bad : {0u, 1u, 3u}) {
     Device device;
     SurfaceSettings settings;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     settings.timeSteps = 4;
     settings.motion = [bad](const Vec& p, unsigned i) {
       return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
@@ -183,14 +183,14 @@ TEST(MovingHardCases, TimesOfStepsMatchSteps)
   Device device;
   const unsigned timeSteps = 129;
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.timeSteps = timeSteps;
   settings.rate = 4;
   settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.02*i); };
   const SurfaceScene scene(device, cubeCage(), settings);
   for (unsigned s = 0; s < timeSteps; s += 16) {
     SurfaceSettings still;
-    still.compression = RTC_COMPRESSION_VERT;
+    still.compression = RTC_COMPRESSION_CVERT;
     still.rate = 4;
     Cage cage = cubeCage();
     for (Vec& p : cage.positions) p = settings.motion(p, s);

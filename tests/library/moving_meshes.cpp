@@ -40,7 +40,7 @@ void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh,
 {
   Scene scenes[2] = {Scene(device), Scene(device)};
   for (int i = 0; i < 2; i++) {
-    attach(scenes[i], make(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, timeSteps));
+    attach(scenes[i], make(device, mesh, i ? RTC_COMPRESSION_CVERT : RTC_COMPRESSION_NONE, 0, timeSteps));
     rtcCommitScene(scenes[i]);
   }
   const RTCCompressionStatistics stats = statisticsOf(scenes[1]);
@@ -194,7 +194,7 @@ template<typename Make, typename Mesh>
 void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random)
 {
   Scene scene(device);
-  attach(scene, make(device, mesh, RTC_COMPRESSION_VERT, 0, 2));
+  attach(scene, make(device, mesh, RTC_COMPRESSION_CVERT, 0, 2));
   rtcCommitScene(scene);
   ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
   for (int i = 0; i < 100; i++) {
@@ -239,16 +239,16 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
   ball.motion = [](const Vec& p, unsigned step) {
     return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]};
   };
-  std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3)};
+  std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_CVERT, 0, 3)};
   for (QuadOrder order : allQuadOrders) {
     DicedMesh mesh = meshOf(ball, order, random);
     mesh.motion = ball.motion;
-    geometries.push_back(newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 3));
+    geometries.push_back(newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 3));
     if (order == QuadOrder::Shuffled) continue;
     const DicedMesh triangles = trianglesOf(mesh, 1, 1);
     const DicedMesh anyhow = unwelded(withTurnedTriangles(withShuffledFaces(triangles, random), random));
     for (const DicedMesh& of : {triangles, halvesApart(triangles), anyhow})
-      geometries.push_back(newMesh(device, of, RTC_COMPRESSION_VERT, 0, 3));
+      geometries.push_back(newMesh(device, of, RTC_COMPRESSION_CVERT, 0, 3));
   }
   for (RTCGeometry geometry : geometries) {
     Scene scene(device);
@@ -274,7 +274,7 @@ TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
     for (DicedMesh mesh : {triangles, quads, unwelded(triangles), unwelded(quads)}) {
       SCOPED_TRACE(std::string(config) + (mesh.isTriangleForm() ? ", triangles" : ", quads"));
       mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3*step); };
-      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 4);
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 4);
       Scene scene(device);
       rtcAttachGeometry(scene, geometry);
       rtcCommitScene(scene);
@@ -313,7 +313,7 @@ TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
-  commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+  commitAs(geometry, RTC_COMPRESSION_CVERT, 0);
   Scene scene(device);
   attach(scene, geometry);
   rtcCommitScene(scene);
@@ -336,7 +336,7 @@ TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
   for (const auto& range : {std::pair<float, float>{0.25f, 0.75f}, {-1.0f, 2.0f}, {0.5f, 3.0f}}) {
     Scene scenes[2] = {Scene(device), Scene(device)};
     for (int i = 0; i < 2; i++) {
-      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, 4);
+      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_CVERT : RTC_COMPRESSION_NONE, 0, 4);
       rtcSetGeometryTimeRange(geometry, range.first, range.second);
       rtcCommitGeometry(geometry);
       attach(scenes[i], geometry);
@@ -378,7 +378,7 @@ TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
       for (unsigned t = 0; t < 3; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, steps[t]);
       if (mesh.isTriangleForm()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
       else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
-      commitAs(geometry, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0);
+      commitAs(geometry, i ? RTC_COMPRESSION_CVERT : RTC_COMPRESSION_NONE, 0);
       attach(scenes[i], geometry);
       rtcCommitScene(scenes[i]);
     }
@@ -417,7 +417,7 @@ TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes)
     const double embree = double(memory.live - empty - inputBytes)/double(mesh.size());
     Scene compressed(device);
     const ssize_t before = memory.live;
-    attach(compressed, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+    attach(compressed, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
     rtcCommitScene(compressed);
     const double bytes = double(memory.live - before - inputBytes)/double(mesh.size());
     const RTCCompressionStatistics stats = statisticsOf(compressed);
@@ -441,7 +441,7 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
     for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1), irregularTriangles(quads, random),
            irregularQuads(quads, random)}) {
       Scene scene(device);
-      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2);
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 2);
       attach(scene, geometry);
       rtcCommitScene(scene);
       ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
@@ -497,7 +497,7 @@ TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, diced.vertices);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
   setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
-  commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+  commitAs(geometry, RTC_COMPRESSION_CVERT, 0);
   Scene scene(device);
   attach(scene, geometry);
   rtcCommitScene(scene);

@@ -34,7 +34,7 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
   displacement.lattice = std::ldexp(1.0f, -12);
   settings.displacement = &displacement;
   settings.maxError = displacement.lattice;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.timeSteps = timeSteps;
   settings.motion = step;
   return settings;
@@ -80,7 +80,7 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
 SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
 {
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.timeSteps = timeSteps;
   settings.begin = begin;
   settings.end = end;

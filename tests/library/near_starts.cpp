@@ -61,7 +61,7 @@ TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
   for (const auto& solid : solids)
     for (float maxError : {0.0f, 0.3f}) { // also lattices coarser than the quads
       SurfaceSettings settings;
-      settings.compression = RTC_COMPRESSION_VERT;
+      settings.compression = RTC_COMPRESSION_CVERT;
       settings.rate = maxError > 0 ? 8 : 2;
       settings.maxError = maxError;
       const SurfaceScene scene(device, solid.cage, settings);

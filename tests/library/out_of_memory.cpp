@@ -37,17 +37,17 @@ RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
   Random random(1);
   if (type == 0) {
     SurfaceSettings settings;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     settings.timeSteps = timeSteps;
     settings.motion = moved;
     return newSurface(device, cubeCage(), settings);
   }
   Diced grids = dicedSheet(2, 16);
   grids.motion = moved;
-  if (type == 1) return newGrids(device, grids, RTC_COMPRESSION_VERT, 0, timeSteps);
+  if (type == 1) return newGrids(device, grids, RTC_COMPRESSION_CVERT, 0, timeSteps);
   DicedMesh mesh = meshOf(grids, QuadOrder::Recursive, random);
   mesh.motion = moved;
-  return newMesh(device, type == 2 ? mesh : trianglesOf(mesh), RTC_COMPRESSION_VERT, 0, timeSteps);
+  return newMesh(device, type == 2 ? mesh : trianglesOf(mesh), RTC_COMPRESSION_CVERT, 0, timeSteps);
 }
 
 // Changes and commits a geometry and its scene, then again with enough memory. Returns the allocations of the first

@@ -58,21 +58,21 @@ std::vector<Closed> closedSurfaces(Random& random)
         settings.rate = float(cage.rate);
         settings.timeSteps = timeSteps;
         settings.motion = motion;
-        settings.compression = RTC_COMPRESSION_VERT;
+        settings.compression = RTC_COMPRESSION_CVERT;
         return newSurface(device, cage.cage, settings);
       }});
     Diced grids = dicedBall(4, 32);
     grids.motion = motion;
     const double edge = 1.5/(4*32);
     all.push_back({"grids" + suffix, edge, moves, [=](RTCDevice device) {
-      return newGrids(device, grids, RTC_COMPRESSION_VERT, 0, timeSteps);
+      return newGrids(device, grids, RTC_COMPRESSION_CVERT, 0, timeSteps);
     }});
     for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Recursive}) {
       DicedMesh quads = meshOf(grids, order, random);
       quads.motion = motion;
       const DicedMesh mesh = order == QuadOrder::Rows ? quads : trianglesOf(quads, 1, 2);
       all.push_back({(mesh.isTriangleForm() ? "triangles" : "quads") + suffix, edge, moves, [=](RTCDevice device) {
-        return newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps);
+        return newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps);
       }});
     }
   }
@@ -200,7 +200,7 @@ void expectNoLeaks(double partOfEdge)
     if (partOfEdge >= 0) {
       RTCCompressionArguments args;
       rtcInitCompressionArguments(&args);
-      args.compression = RTC_COMPRESSION_VERT;
+      args.compression = RTC_COMPRESSION_CVERT;
       args.maxError = float(partOfEdge*surface.edge);
       rtcSetGeometryCompression(geometry, &args);
       rtcCommitGeometry(geometry);

@@ -64,8 +64,8 @@ TEST(RandomCages, AreTracedWithoutCrash)
 {
   Random random(108);
   const size_t rounds = randomRounds(300);
-  const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT,
-                                  RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID};
+  const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT,
+                                  RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID};
   size_t hits = 0, named = 0;
   for (size_t round = 0; round < rounds; round++) {
     SCOPED_TRACE(testing::Message() << "round " << round);
@@ -105,7 +105,7 @@ TEST(RandomCages, InvalidIndicesAreReported)
 {
   Device device;
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   Cage cage = cubeCage();
   cage.indices[13] = 8;
   rtcReleaseGeometry(newSurface(device, cage, settings));

@@ -100,7 +100,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
                                mesh.isTriangleForm() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0,
                                indices.stride, mesh.size());
-    commitAs(geometry, RTC_COMPRESSION_VERT, random.chance(0.3) ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : 0);
+    commitAs(geometry, RTC_COMPRESSION_CVERT, random.chance(0.3) ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : 0);
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);

@@ -106,7 +106,7 @@ TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
-    args.compression = RTC_COMPRESSION_VERT;
+    args.compression = RTC_COMPRESSION_CVERT;
     args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
     args.progress = Callback::function;
     args.progressUserPtr = &callback;

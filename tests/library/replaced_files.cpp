@@ -25,7 +25,7 @@ protected:
   {
     SurfaceSettings settings;
     settings.rate = 4;
-    return releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_VERT);
+    return releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
   }
 
   bool save(const std::string& to) { return rtcSaveCompressedGeometry(geometry, to.c_str()); }
@@ -147,7 +147,7 @@ TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
   EXPECT_EQ(names().size(), 4u) << "one for the other path, two of other programs, one that is being written";
   ASSERT_TRUE(save(path)) << device.message;
   EXPECT_EQ(names().size(), 5u);
-  ASSERT_TRUE(rtcAppendCompressedGeometry(alive, geometry) && rtcCommitCompressedFile(alive)) << device.message;
+  ASSERT_TRUE(rtcAppendCompressedGeometry(alive, geometry) && rtcCommitCompressedFileWriter(alive)) << device.message;
   rtcReleaseCompressedFileWriter(alive);
   EXPECT_EQ(names().size(), 4u);
   expectLoadable(path);
@@ -181,8 +181,8 @@ TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported)
     EXPECT_EQ(names().size(), 2u);
     writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u) << "the writer starts again";
-    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 1u) << "the writer starts again";
+    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
     rtcReleaseCompressedFileWriter(writer);
     expectLoadable(to);
     EXPECT_EQ(names(), std::vector<std::string>{nameOf(bytes)});
@@ -235,8 +235,9 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
       RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, path.c_str(), 7);
       if (!writer) { usleep(200); continue; } // another process holds it
       commits++;
-      const bool isNew = rtcGetCompressedFileWriterCount(writer) == 0;
-      const bool isWhole = isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFile(writer);
+      const bool isNew = rtcGetCompressedFileWriterGeometryCount(writer) == 0;
+      const bool isWhole =
+        isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
       spoiled += !isWhole;
       rtcReleaseCompressedFileWriter(writer);
     }

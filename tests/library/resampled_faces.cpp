@@ -45,7 +45,7 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.edgeRates = drawRates(cage, random, [](Random& r) { return float(16u << r.below(3)); });
-  settings.compression = RTC_COMPRESSION_GRID;
+  settings.compression = RTC_COMPRESSION_CGRID;
   const Twins twins(device, cage, settings);
   EXPECT_EQ(statisticsOf(twins.scene).numUncompressedQuads, 0u);
   const float quad = 1.0f/16;
@@ -69,12 +69,12 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
 
 class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF), nameOf);
 
 // cVERT has GRID's vertices for any rates.
 class AnyRates : public ResampledFaces {};
 INSTANTIATE_TEST_SUITE_P(Compression, AnyRates,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
 
 // True if a ray hits a much finer surface at a steep angle.
 bool isSteep(const RTCRayHit& fine)
@@ -151,7 +151,7 @@ TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
       settings.rate = 128;
       const SurfaceScene fine(device, cage.cage, settings);
       settings.edgeRates = drawRates(cage.cage, random, set.draw);
-      settings.compression = GetParam() == RTC_COMPRESSION_GRID ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_GRID;
+      settings.compression = GetParam() == RTC_COMPRESSION_CGRID ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_CGRID;
       const SurfaceScene grid(device, cage.cage, settings);
       settings.compression = GetParam();
       const SurfaceScene scene(device, cage.cage, settings);
@@ -203,8 +203,8 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
 // Small faces: level 6 is 8.6 times smaller in cLEAF; here most faces have a fraction of its quads.
 TEST_P(AnyRates, MemoryIsAFractionOfGrid)
 {
-  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65
-                             : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14
+  const double largestPart = GetParam() == RTC_COMPRESSION_CGRID ? 0.65
+                             : GetParam() == RTC_COMPRESSION_CVOXEL ? 0.14
                                                                    : 0.22;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
@@ -250,7 +250,7 @@ TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
     const float z = float(random.uniform(-0.99, 0.99));
     const RTCRayHit hit = intersect(scene, makeRay({3, 0, z}, {-1, float(random.uniform(-2e-6, 2e-6)), 0}));
     ASSERT_TRUE(isHit(hit)) << z;
-    ASSERT_NEAR(hit.ray.tfar, 2, GetParam() == RTC_COMPRESSION_VOXEL ? 0.1 : 1e-3) << z;
+    ASSERT_NEAR(hit.ray.tfar, 2, GetParam() == RTC_COMPRESSION_CVOXEL ? 0.1 : 1e-3) << z;
   }
 }
 

@@ -82,9 +82,9 @@ protected:
   {
     RTCCompressedFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
+    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 1u);
     append(writer, 1);
-    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
     rtcReleaseCompressedFileWriter(writer);
     expectWhole(2);
   }
@@ -101,14 +101,14 @@ TEST_F(ResumedFiles, ReleasedWriterCanBeResumed)
   for (size_t i = 0; i < all.size(); i++) { // each with a new writer
     RTCCompressedFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i);
+    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), i);
     append(writer, i);
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i + 1);
+    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), i + 1);
     rtcReleaseCompressedFileWriter(writer);
     EXPECT_EQ(access(path.c_str(), F_OK), -1) << "the file exists before it is complete";
   }
   RTCCompressedFileWriter writer = resume();
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
   rtcReleaseCompressedFileWriter(writer);
   EXPECT_EQ(folder.names(), std::vector<std::string>{"all.cbvh"});
   expectWhole(all.size());
@@ -119,7 +119,7 @@ TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey)
   auto write = [&](RTCCompressedFileWriter writer) {
     ASSERT_NE(writer, nullptr) << device.message;
     append(writer, 0);
-    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
     rtcReleaseCompressedFileWriter(writer);
   };
   write(resume(0));
@@ -157,7 +157,7 @@ TEST_F(ResumedFiles, FullDiskKeepsSavedData)
     RTCCompressedFileWriter writer = resume();
     if (rtcAppendCompressedGeometry(writer, second)) return 1;
     if (device.takeError() != RTC_ERROR_INVALID_OPERATION) return 2;
-    if (rtcCommitCompressedFile(writer)) return 3;
+    if (rtcCommitCompressedFileWriter(writer)) return 3;
     rtcReleaseCompressedFileWriter(writer);
     return 0;
   });
@@ -199,7 +199,7 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
     writeBytes(part, bytes);
     writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 0u);
+    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 0u);
     rtcReleaseCompressedFileWriter(writer);
     EXPECT_TRUE(folder.names().empty()) << "an empty part must not leave files";
   }
@@ -209,7 +209,7 @@ TEST_F(ResumedFiles, NullIsRejected)
 {
   EXPECT_EQ(rtcResumeCompressedFileWriter(device, nullptr, key), nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(rtcGetCompressedFileWriterCount(nullptr), 0u);
+  EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(nullptr), 0u);
 }
 
 } // namespace

@@ -51,20 +51,20 @@ TEST_P(SceneBounds, ContainEveryHit)
       }
     }
   EXPECT_GT(hits, 20000u);
-  if (GetParam() != RTC_COMPRESSION_GRID) {
+  if (GetParam() != RTC_COMPRESSION_CGRID) {
     EXPECT_GT(reachesPast, 0u) << "no hit is outside of the bounds of the vertices";
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds,
-                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
-                                         RTC_COMPRESSION_VERT),
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
                          [](const auto& info) { return kindName(info.param); });
 
 // Kinds whose faces round shared vertices differently. In cVERT they share the same vertices.
 class RoundedBounds : public SceneBounds {};
 INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds,
-                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF),
                          [](const auto& info) { return kindName(info.param); });
 
 // Bounds are rounded outwards: a neighboring face, which must catch rays that pass this one, may round vertices

@@ -15,8 +15,8 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
-                                   RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                   RTC_COMPRESSION_CVERT};
 
 class SceneFeatures : public testing::TestWithParam<RTCCompression>
 {
@@ -49,9 +49,9 @@ TEST(MixedScene, EveryGeometryUsesItsOwnSettings)
   Device device;
   Scene scene(device);
   const struct { RTCCompression compression; int frameLevel; float rate;
-  } kinds[] = {{RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32},
-               {RTC_COMPRESSION_LEAF, 0, 8}, {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8},
-               {RTC_COMPRESSION_VOXEL, 1, 8}};
+  } kinds[] = {{RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_CGRID, 1, 16}, {RTC_COMPRESSION_CVOXEL, 2, 32},
+               {RTC_COMPRESSION_CLEAF, 0, 8}, {RTC_COMPRESSION_CLEAF, 3, 8}, {RTC_COMPRESSION_CLEAF, 1, 8},
+               {RTC_COMPRESSION_CVOXEL, 1, 8}};
   constexpr unsigned numKinds = 7, disabled = 5, detached = 6;
   Displacement displacement[numKinds];
   size_t blocks = 0, quads = 0;
@@ -107,7 +107,7 @@ TEST(MixedScene, TrianglesNextToCompressedSurfacesAreHit)
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   addSurface(device, scene, cubeCage(), settings);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{{-5,-5,2}, {5,-5,2}, {0,5,2}});
@@ -299,7 +299,7 @@ TEST_P(SceneFeatures, NearestAcceptedHitIsFound)
   unsigned past = 0;
   // Earlier hits affect leaves at the same position: cLEAF considers heights up to the end of the ray, and boxes, as
   // large as a quad and as thick as a leaf, extend beyond the bounds by which the top level culls.
-  const float tolerance = GetParam() == RTC_COMPRESSION_GRID ? 1e-5f : 2/16.0f + statisticsOf(scene).maxLeafThickness;
+  const float tolerance = GetParam() == RTC_COMPRESSION_CGRID ? 1e-5f : 2/16.0f + statisticsOf(scene).maxLeafThickness;
   for (const RTCRayHit& ray : raysAt(random, 2000)) {
     // not along borders of quads
     auto accepts = [](const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; };
@@ -394,7 +394,7 @@ TEST(Filters, CGridFiltersSeeTheSameHitsAsGridFilters)
   for (int i = 0; i < 2; i++) {
     SurfaceSettings settings;
     settings.displacement = &displacement;
-    settings.compression = i ? RTC_COMPRESSION_GRID : RTC_COMPRESSION_NONE;
+    settings.compression = i ? RTC_COMPRESSION_CGRID : RTC_COMPRESSION_NONE;
     settings.frameLevel = 2;
     addFilteredCube(device, scenes[i], settings, filter);
   }
@@ -528,8 +528,8 @@ TEST(Packets, FollowChangesOfKind)
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
   Random random(72);
   const std::vector<RTCRayHit> rays = pictureRays(random, 32);
-  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE,
-                              RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE,
+                              RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CVERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = kind;
@@ -552,7 +552,7 @@ TEST(Packets, ScenesWithoutBlocksAreEmpty)
   displacement.poison = [](unsigned, float, float) { return true; };
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   addSurface(device, scene, cubeCage(), settings);
   rtcCommitScene(scene);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << "left out quads must be reported";
@@ -572,7 +572,7 @@ TEST(Packets, RaysOnEdgesAndInPlanesMatchSingleRays)
     cage.mode = RTC_SUBDIVISION_MODE_PIN_ALL;
     for (Vec& p : cage.positions) p[2] = bend*p[0];
     SurfaceSettings of;
-    of.compression = RTC_COMPRESSION_VERT;
+    of.compression = RTC_COMPRESSION_CVERT;
     of.rate = 16;
     addSurface(device, scene, cage, of);
     rtcCommitScene(scene);

@@ -66,8 +66,8 @@ TEST_P(CrossedSheets, RaysOfPastDefectsDoNotPass)
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets,
-                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
-                                         RTC_COMPRESSION_VERT),
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
                          [](const auto& info) { return kindName(info.param); });
 
 } // namespace

@@ -24,7 +24,7 @@ namespace embree
         const unsigned quads; //!< along the edges of a face
 
         Mesh (Device* device, unsigned quads) : CompressibleGeometry(device,GTY_USER_GEOMETRY,6,1), quads(quads) {
-          compression.compression = RTC_COMPRESSION_VERT;
+          compression.compression = RTC_COMPRESSION_CVERT;
         }
       };
 

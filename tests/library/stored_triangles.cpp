@@ -121,7 +121,7 @@ TEST(StoredTriangles, CagesMatchHitTriangles)
       const bool mixed = i & 1, isGrid = i & 2;
       SCOPED_TRACE(testing::Message() << c.name << (isGrid ? ", cGRID" : "") << (mixed ? ", mixed rates" : ""));
       SurfaceSettings settings;
-      settings.compression = isGrid ? RTC_COMPRESSION_GRID : RTC_COMPRESSION_VERT;
+      settings.compression = isGrid ? RTC_COMPRESSION_CGRID : RTC_COMPRESSION_CVERT;
       settings.displacement = &displacement;
       settings.rate = 20;
       if (mixed)
@@ -145,7 +145,7 @@ TEST(StoredTriangles, GridsMatchHitTriangles)
   for (int i = 0; i < 5; i++) poisoned.vertices[random.below(unsigned(poisoned.vertices.size()))][1] = NAN;
   for (const Diced& diced : {dicedSheet(1, 50), dicedBall(2, 9), poisoned}) {
     Scene scene(device);
-    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
     attach(scene, geometry);
     rtcCommitScene(scene);
     device.takeError();
@@ -163,7 +163,7 @@ TEST(StoredTriangles, ManyThreadsReadThem)
   Device device;
   Scene scene(device);
   const Diced diced = dicedSheet(8, 8);
-  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT);
   attach(scene, geometry);
   rtcCommitScene(scene);
   std::vector<std::thread> threads;
@@ -187,14 +187,14 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   };
   const Diced diced = dicedSheet(2, 8);
   Scene scene(device);
-  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT),
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT),
               plain = newGrids(device, diced, RTC_COMPRESSION_NONE);
   EXPECT_FALSE(lookUp(geometry));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "no scene was committed";
   attach(scene, geometry);
   attach(scene, plain);
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.compression = RTC_COMPRESSION_CLEAF;
   RTCGeometry leaves = newSurface(device, cubeCage(), settings);
   attach(scene, leaves);
   rtcCommitScene(scene);
@@ -249,7 +249,7 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
     Memory memory;
     Device device;
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
-    Callback callback = {newGrids(device, diced, RTC_COMPRESSION_VERT), releases, memory};
+    Callback callback = {newGrids(device, diced, RTC_COMPRESSION_CVERT), releases, memory};
     {
       Scene scene(device);
       rtcAttachGeometry(scene, callback.geometry);

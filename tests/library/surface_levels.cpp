@@ -19,7 +19,7 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
   settings.compression = RTC_COMPRESSION_NONE;
   const SurfaceScene grid(device, cage, settings);
   for (RTCCompression compression :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level "
                                     << frameLevel);
     settings.compression = compression;
@@ -30,7 +30,7 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
     ASSERT_GT(stats.numQuads, 0u);
     EXPECT_EQ(stats.numUncompressedQuads, 0u);
     EXPECT_EQ(stats.numInvalidQuads, 0u);
-    if (compression == RTC_COMPRESSION_GRID) expectEqualToGrid(grid, scene, rays, cage);
+    if (compression == RTC_COMPRESSION_CGRID) expectEqualToGrid(grid, scene, rays, cage);
     else expectCloseToGrid(grid, scene, rays, cage, settings);
     if (testing::Test::HasFatalFailure()) return;
   }
@@ -58,7 +58,7 @@ TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
     SurfaceSettings settings;
     settings.displacement = &displacement;
     settings.rate = float(1u << level);
-    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.compression = RTC_COMPRESSION_CLEAF;
     settings.frameLevel = 8;
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_EQ(statisticsOf(scene).numBlocks, 6*(size_t(1) << (2*level)));
@@ -71,7 +71,7 @@ TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
 TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace)
 {
   Device device;
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+  for (RTCCompression compression : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF})
     for (unsigned level : {0, 2}) {
       SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level);
       Random random(43);

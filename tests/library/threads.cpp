@@ -18,8 +18,8 @@ constexpr unsigned surfaceCount = 5; // one per representation
 void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[surfaceCount])
 {
   int i = 0;
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL,
-                                     RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
+                                     RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SurfaceSettings settings;
     settings.displacement = &displacements[i];
     settings.compression = compression;

@@ -69,7 +69,7 @@ TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
   for (int i = 0; i < 4; i++) rates[i] = 300; // face 0; the edges of its neighbors keep their rates
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_GRID;
+  settings.compression = RTC_COMPRESSION_CGRID;
   settings.frameLevel = 1;
   settings.edgeRates = rates;
   const Twins twins(device, cubeCage(), settings);

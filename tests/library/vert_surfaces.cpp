@@ -42,7 +42,7 @@ struct AlongNormals : public VertexRecorder
 SurfaceSettings vert(float rate = 16)
 {
   SurfaceSettings settings;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.rate = rate;
   return settings;
 }
@@ -206,7 +206,7 @@ struct Recorded
     settings.compression = RTC_COMPRESSION_NONE;
     grid.build(device, reference, cage, settings);
     settings.displacement = &grid;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
   }
 };
 
@@ -269,7 +269,7 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
     Scene reference(device);
     grid.build(device, reference, cage, settings);
     settings.displacement = &grid;
-    settings.compression = RTC_COMPRESSION_VERT;
+    settings.compression = RTC_COMPRESSION_CVERT;
     const SurfaceScene scene(device, cage, settings);
     const double bound = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5;
     for (const VertTriangle& t : vertTriangles(scene))
@@ -324,7 +324,7 @@ TEST(VertSurfaces, FlippedQuadsAreCounted)
       Scene reference(device);
       grid.build(device, reference, cage.cage, settings);
       settings.displacement = &grid;
-      settings.compression = RTC_COMPRESSION_VERT;
+      settings.compression = RTC_COMPRESSION_CVERT;
       settings.maxError = 1.5f/rate; // larger than a quad
       const SurfaceScene scene(device, cage.cage, settings);
       const std::vector<VertTriangle> triangles = vertTriangles(scene);
@@ -351,11 +351,11 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.rate = 16;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, sheetCage(8), settings);
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VERT;
+  args.compression = RTC_COMPRESSION_CVERT;
   args.maxPixelError = 0.5f;
   args.pixelSize = 0.002f;
   args.cameraPosition[0] = -2;

@@ -114,7 +114,7 @@ public:
     }
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
-    args.compression = RTC_COMPRESSION_VERT;
+    args.compression = RTC_COMPRESSION_CVERT;
     args.maxError = maxError;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);

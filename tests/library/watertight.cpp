@@ -110,7 +110,7 @@ protected:
   {
     EXPECT_GT(counts.aimed, raysOfCase/4);
     EXPECT_EQ(counts.sceneLeaks.any, counts.sceneLeaks.closest);
-    const bool mayLeak = GetParam() == RTC_COMPRESSION_GRID;
+    const bool mayLeak = GetParam() == RTC_COMPRESSION_CGRID;
     // equal except for chance: a vertex that rounds differently moves a leak
     const auto allowed = [&](size_t ofGrid) { return mayLeak ? double(ofGrid) + 5*std::sqrt(double(ofGrid)) + 5 : 0; };
     EXPECT_LE(double(counts.sceneLeaks.closest), allowed(counts.gridLeaks.closest));
@@ -137,7 +137,8 @@ TEST_P(Watertight, RaysFromInsideHit)
     recorder.offset = c.offset;
     recorder.cage = &c.cage;
     // an eighth of a quad, a multiple of cVERT's spacing: cVERT stores exactly these vertices, at which rays aim
-    if (GetParam() == RTC_COMPRESSION_VERT) recorder.lattice = std::ldexp(1.0f, std::ilogb(c.scale) - 2 - int(c.level));
+    if (GetParam() == RTC_COMPRESSION_CVERT)
+      recorder.lattice = std::ldexp(1.0f, std::ilogb(c.scale) - 2 - int(c.level));
     recorder.level = c.level;
     recorder.frameLevel = unsigned(std::max(c.frameLevel, 0));
     SurfaceSettings settings;
@@ -152,7 +153,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     recorder.build(device, grid, c.cage, settings);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 
-    if (c.coarse && GetParam() == RTC_COMPRESSION_VERT) {
+    if (c.coarse && GetParam() == RTC_COMPRESSION_CVERT) {
       // gaps of GRID are nearly as large as a quad here, so it cannot decide which points are inside
       EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
       continue;
@@ -184,7 +185,7 @@ std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, Watertight,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
 
 } // namespace
 } // namespace cbvh::test

@@ -20,18 +20,18 @@ class Errors(unittest.TestCase):
         cls.rays = cbvh.primary_rays(cls.camera)
         cls.reference, cls.hits = cls.grid.intersect(*cls.rays), cls.voxel.intersect(*cls.rays)
 
-    def test_pixel_errors_are_distances_over_footprints(self):
-        errors = cbvh.pixel_errors(self.hits, self.reference, self.camera.footprint)
+    def test_pixel_errors_are_distances_over_pixel_sizes(self):
+        errors = cbvh.pixel_errors(self.hits, self.reference, self.camera.pixel_size)
         both = self.hits.hit & self.reference.hit
         self.assertGreater(both.sum(), 100)
         np.testing.assert_array_equal(np.isnan(errors), ~both)
         t, at = self.hits.t[both], self.reference.t[both]
-        np.testing.assert_allclose(errors[both], abs(t - at) / (self.camera.footprint * at), rtol=1e-4)
+        np.testing.assert_allclose(errors[both], abs(t - at) / (self.camera.pixel_size * at), rtol=1e-4)
 
     def test_summary_matches_the_distances(self):
-        pixels = cbvh.pixel_errors(self.hits, self.reference, self.camera.footprint)
+        pixels = cbvh.pixel_errors(self.hits, self.reference, self.camera.pixel_size)
         pixels = pixels[~np.isnan(pixels)].astype(float)
-        errors = self.voxel.errors(self.hits, self.reference, self.camera.footprint)
+        errors = self.voxel.compare(self.hits, self.reference, self.camera.pixel_size)
         self.assertAlmostEqual(errors["rmse_pixels"], np.sqrt(np.mean(pixels**2)), places=4)
         self.assertAlmostEqual(errors["max_pixels"], pixels.max(), places=4)
         self.assertEqual(errors["both_hit"], len(pixels))
@@ -39,31 +39,31 @@ class Errors(unittest.TestCase):
         self.assertEqual(errors["false_hits"], (self.hits.hit & ~self.reference.hit).sum())
         self.assertEqual(errors["misses"], (self.reference.hit & ~self.hits.hit).sum())
         self.assertGreater(errors["false_hits"], 0)
-        own = self.grid.errors(self.reference, self.reference, self.camera.footprint)
+        own = self.grid.compare(self.reference, self.reference, self.camera.pixel_size)
         self.assertEqual(own["max_pixels"], 0)
 
     def test_true_errors_decrease_with_the_level(self):
         model = self.grid.model
         coarse, fine = (cbvh.build(model, "grid", level) for level in (3, 5))
-        medians = [scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.footprint, count=500)
+        medians = [scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.pixel_size, count=500)
                    for scene in (coarse, fine)]
         self.assertEqual([m["hits"] for m in medians], [500, 500])
         self.assertLess(medians[1]["median_pixels"], medians[0]["median_pixels"])
 
     def test_mismatched_hits_are_reported_by_name(self):
         other = cbvh.build(sheet(), "grid", 3)
-        footprint = self.camera.footprint
+        pixel_size = self.camera.pixel_size
         wrong = other.intersect(*self.rays)
         few = self.grid.intersect(*(a[0] for a in self.rays))
         for text, call in (
-                ("hits: .*model.* 25 faces.* 6", lambda: self.grid.errors(wrong, wrong, footprint)),
-                ("reference: .*model.* 25 faces", lambda: self.grid.errors(self.hits, wrong, footprint)),
+                ("hits: .*model.* 25 faces.* 6", lambda: self.grid.compare(wrong, wrong, pixel_size)),
+                ("reference: .*model.* 25 faces", lambda: self.grid.compare(self.hits, wrong, pixel_size)),
                 ("reference: .* 160 rays.* 19200.*hits",
-                 lambda: self.grid.errors(self.hits, few, footprint)),
-                ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, footprint)),
-                ("footprint: is 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
+                 lambda: self.grid.compare(self.hits, few, pixel_size)),
+                ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, pixel_size)),
+                ("pixel_size: is 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
                 ("hits: .* 160 rays.* 19200.*origins and directions",
-                 lambda: self.grid.true_errors(few, *self.rays, footprint))):
+                 lambda: self.grid.true_errors(few, *self.rays, pixel_size))):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 call()
 

@@ -4,6 +4,7 @@
 """Scenes are saved and loaded with bit-identical hits."""
 
 import os
+import pathlib
 import tempfile
 import unittest
 
@@ -39,6 +40,31 @@ class Files(unittest.TestCase):
                 np.testing.assert_array_equal(loaded.bounds, scene.bounds)
                 self.assertEqual(loaded.quads, scene.statistics()["quads"])
                 self.assertIn("sheet.cbvh", repr(loaded))
+
+    def test_paths_are_str_or_path_like(self):
+        class OfPath:
+            def __init__(self, path):
+                self.path = path
+
+            def __fspath__(self):
+                return self.path
+
+        origins, directions = rays_from_above()
+        scene = cbvh.build(bumpy_model(), "cvert", 3)
+        hits = scene.intersect(origins, directions)
+        for kind in (str, pathlib.Path, OfPath):
+            with self.subTest(kind.__name__):
+                scene.save(kind(self.path))
+                found = cbvh.load(kind(self.path)).intersect(origins, directions)
+                os.remove(self.path)
+                self.assertEqual(hits.t.tobytes(), found.t.tobytes())
+                with open(self.path, "w", encoding="ascii") as file:
+                    file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+                self.assertEqual(len(cbvh.Cage.load(kind(self.path)).vertices), 4)
+                os.remove(self.path)
+        for call in (scene.save, cbvh.load, cbvh.Cage.load):
+            with self.assertRaises(TypeError):
+                call(1)
 
     def test_damage_is_reported_to_the_caller_that_traces(self):
         origins, directions = rays_from_above()

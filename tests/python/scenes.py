@@ -285,7 +285,7 @@ class Cameras(unittest.TestCase):
         np.testing.assert_allclose(directions[1, 2], [0, 0, -1], atol=1e-6)
         np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1, atol=1e-6)
         self.assertGreater(directions[0, 2, 1], 0)  # row 0 is the top row
-        self.assertAlmostEqual(camera.footprint, 2 / 3, places=6)
+        self.assertAlmostEqual(camera.pixel_size, 2 / 3, places=6)
 
     def test_coherent_rays_are_primary_rays_in_tiles(self):
         camera = cbvh.Camera((0, 0, 2), (0, 0, 0), size=(24, 16))

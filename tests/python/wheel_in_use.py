@@ -77,7 +77,7 @@ def main():
     assert hits.hit.sum() > 500
     np.testing.assert_allclose(hits.t[hits.hit & same.hit], same.t[hits.hit & same.hit], atol=1e-4)
     grid = cbvh.build(models[0], "grid", level=5).intersect(*rays)
-    assert scenes[0].errors(hits, grid, camera.footprint)["max_pixels"] < 1
+    assert scenes[0].compare(hits, grid, camera.pixel_size)["max_pixels"] < 1
 
     # a picture: the angle between ray and normal
     lengths = np.where(hits.hit, np.linalg.norm(hits.Ng, axis=-1), 1)

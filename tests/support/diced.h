@@ -125,7 +125,7 @@ inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression
 class GridScene : public Scene
 {
 public:
-  GridScene(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_VERT) : Scene(device)
+  GridScene(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_CVERT) : Scene(device)
   {
     attach(*this, newGrids(device, diced, compression));
     rtcCommitScene(*this);

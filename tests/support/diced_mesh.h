@@ -192,7 +192,7 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
 class MeshScene : public Scene
 {
 public:
-  MeshScene(RTCDevice device, const DicedMesh& mesh, RTCCompression compression = RTC_COMPRESSION_VERT) : Scene(device)
+  MeshScene(RTCDevice device, const DicedMesh& mesh, RTCCompression compression = RTC_COMPRESSION_CVERT) : Scene(device)
   {
     attach(*this, newMesh(device, mesh, compression));
     rtcCommitScene(*this);

@@ -171,8 +171,8 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
   RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
   if (!file) return failed();
   RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, 0);
-  RTCCompressedFileGeometry description;
-  EXPECT_TRUE(rtcGetCompressedFileGeometry(file, 0, &description));
+  RTCCompressedFileGeometryInfo description;
+  EXPECT_TRUE(rtcGetCompressedFileGeometryInfo(file, 0, &description));
   if (!geometry) { rtcReleaseCompressedFile(file); return failed(); }
   trial.isLoaded = true;
   device.errors = 0;

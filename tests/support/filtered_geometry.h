@@ -37,7 +37,7 @@ void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool
   const float transforms[2][12] = {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}};
   Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
   for (int i = 0; i < 2; i++) {
-    RTCGeometry geometry = newGeometry(i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
+    RTCGeometry geometry = newGeometry(i ? RTC_COMPRESSION_CVERT : RTC_COMPRESSION_NONE);
     rtcSetGeometryMask(geometry, 2);
     rtcSetGeometryIntersectFilterFunction(geometry, filterByValues);
     rtcSetGeometryOccludedFilterFunction(geometry, filterByValues);

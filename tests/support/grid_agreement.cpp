@@ -205,9 +205,9 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     ASSERT_EQ(occluded(scene, ray), isHit(b));
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
-      ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      ASSERT_NE(settings.compression, RTC_COMPRESSION_CVOXEL) << "a box contains the surface: no misses";
       // at a border or a silhouette, within the movement of vertices
-      if (settings.compression == RTC_COMPRESSION_VERT) {
+      if (settings.compression == RTC_COMPRESSION_CVERT) {
         ASSERT_TRUE(isNearGrid(scene, hitPoint(a), vertSlack(scene))) << "a miss far from the surface";
         continue;
       }
@@ -269,7 +269,7 @@ void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& 
     const bool hit = isHit(intersect(scene, ray));
     ASSERT_EQ(occluded(scene, ray), hit) << "any hit differs from closest hit";
     leaks += !hit;
-    gridLeaks += compression == RTC_COMPRESSION_GRID && !isHit(intersect(grid, ray));
+    gridLeaks += compression == RTC_COMPRESSION_CGRID && !isHit(intersect(grid, ray));
   }
   EXPECT_LE(leaks, gridLeaks) << "of " << raysFromInside.size();
 }

@@ -344,7 +344,7 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
     if (!(found.ray.tfar >= ray.ray.tnear && found.ray.tfar <= ray.ray.tfar))
       fail(testing::Message() << "outside tnear, tfar");
     // GRID's own parameters exceed [0,1] by rounding, and its triangles may have no area
-    const double outside = compression == RTC_COMPRESSION_GRID ? 1e-4 : 0;
+    const double outside = compression == RTC_COMPRESSION_CGRID ? 1e-4 : 0;
     if (!(std::min(u, v) >= -outside && std::max(u, v) <= 1 + outside && n2 < infinity && (n2 > 0 || outside)))
       fail(testing::Message() << "parameters " << u << ", " << v << ", normal " << n[0] << " " << n[1] << " " << n[2]);
   }
@@ -363,7 +363,7 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
   sameT += isHit(found) ? std::fabs(t - exact.t) <= rounding : !exact.found;
   if (equals(exact)) { equal++; return; }
 
-  if (compression == RTC_COMPRESSION_GRID) {
+  if (compression == RTC_COMPRESSION_CGRID) {
     // Embree's triangle test is less exact than a block's bounds, at edges and for rays in the plane of a triangle.
     // cGRID must find GRID's hit; the compiler may fuse operations in only one of two copies of the same test.
     if (sameHit(found, answer.ofGrid)) { hitsOfGrid++; return; }

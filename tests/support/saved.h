@@ -104,16 +104,16 @@ inline std::vector<Saveable> allSaveable()
       if (timeSteps > 1) { settings.begin = 0.125f; settings.end = 0.75f; }
       return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
                        fallbackFaces);
-    }, timeSteps > 1, compression == RTC_COMPRESSION_VERT || compression == RTC_COMPRESSION_GRID});
+    }, timeSteps > 1, compression == RTC_COMPRESSION_CVERT || compression == RTC_COMPRESSION_CGRID});
   };
   for (RTCCompression compression :
-       {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID}) {
+       {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID}) {
     cage(kindName(compression), compression, 64, 1, 0, cubeCage());
     cage(std::string(kindName(compression)) + ", few blocks", compression, 8, 1, 0, cubeCage());
   }
-  cage("cLEAF with exact faces", RTC_COMPRESSION_LEAF, 32, 1, 1, sheetCage(3));
-  cage("cVERT of n-gons", RTC_COMPRESSION_VERT, 37, 1, -1, prismCage(5));
-  cage("cVERT that moves", RTC_COMPRESSION_VERT, 40, 4, -1, cubeCage());
+  cage("cLEAF with exact faces", RTC_COMPRESSION_CLEAF, 32, 1, 1, sheetCage(3));
+  cage("cVERT of n-gons", RTC_COMPRESSION_CVERT, 37, 1, -1, prismCage(5));
+  cage("cVERT that moves", RTC_COMPRESSION_CVERT, 40, 4, -1, cubeCage());
   const auto diced = [&](const std::string& name, unsigned timeSteps,
                          const std::function<RTCGeometry(RTCDevice, const Diced&, unsigned)>& make) {
     all.push_back({name, [=](RTCDevice device) {
@@ -127,7 +127,7 @@ inline std::vector<Saveable> allSaveable()
   for (unsigned timeSteps : {1u, 3u}) {
     const std::string suffix = timeSteps > 1 ? " that move" : "";
     diced("grids" + suffix, timeSteps, [](RTCDevice device, const Diced& sheet, unsigned timeSteps) {
-      return newGrids(device, sheet, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+      return newGrids(device, sheet, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
     });
     for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Shuffled})
       for (bool triangles : {false, true})
@@ -137,7 +137,7 @@ inline std::vector<Saveable> allSaveable()
                 DicedMesh mesh = meshOf(sheet, order, random);
                 if (triangles) mesh = trianglesOf(mesh, 1, 2);
                 mesh.motion = sheet.motion;
-                return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+                return newMesh(device, mesh, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
               });
   }
   for (bool triangles : {false, true})
@@ -145,11 +145,11 @@ inline std::vector<Saveable> allSaveable()
           [=](RTCDevice device, const Diced& sheet, unsigned) {
             Random random(6);
             return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles),
-                           RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+                           RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
           });
   diced("irregular triangles", 1, [](RTCDevice device, const Diced& sheet, unsigned) {
     Random random(7);
-    return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_VERT,
+    return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_CVERT,
       RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   });
   for (bool triangles : {false, true})
@@ -159,7 +159,7 @@ inline std::vector<Saveable> allSaveable()
             const DicedMesh quads = meshOf(sheet, QuadOrder::Rows, random);
             DicedMesh mesh = triangles ? irregularTriangles(quads, random) : irregularQuads(quads, random);
             mesh.motion = sheet.motion;
-            return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+            return newMesh(device, mesh, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
           });
   return all;
 }

@@ -187,10 +187,10 @@ struct Displacement
 inline const char* kindName(RTCCompression compression)
 {
   switch (compression) {
-  case RTC_COMPRESSION_GRID : return "cGRID";
-  case RTC_COMPRESSION_VOXEL: return "cVOXEL";
-  case RTC_COMPRESSION_LEAF : return "cLEAF";
-  case RTC_COMPRESSION_VERT : return "cVERT";
+  case RTC_COMPRESSION_CGRID : return "cGRID";
+  case RTC_COMPRESSION_CVOXEL: return "cVOXEL";
+  case RTC_COMPRESSION_CLEAF : return "cLEAF";
+  case RTC_COMPRESSION_CVERT : return "cVERT";
   default: return "GRID";
   }
 }

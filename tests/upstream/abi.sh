@@ -22,11 +22,11 @@ comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene \
+printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFlattenScene \
   rtcForEachCompressedCluster rtcForEachCompressedPart \
-  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount \
+  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometryCount rtcGetCompressedFileGeometryInfo \
   rtcGetCompressedFileGeometryStatistics \
-  rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
+  rtcGetCompressedFileWriterGeometryCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
   rtcNewCompressedFileWriter \
   rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile \

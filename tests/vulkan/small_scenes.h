@@ -45,8 +45,8 @@ inline SurfaceSettings smallSurface(RTCCompression compression)
   return settings;
 }
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL,
-                                   RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
+                                   RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT};
 
 // With a displacement that must outlive the surface.
 inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate)
@@ -106,7 +106,7 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
 class SmallScene : public Scene
 {
 public:
-  explicit SmallScene(RTCDevice device, RTCCompression compression = RTC_COMPRESSION_LEAF) : Scene(device)
+  explicit SmallScene(RTCDevice device, RTCCompression compression = RTC_COMPRESSION_CLEAF) : Scene(device)
   {
     addSurface(device, *this, sheetCage(2), smallSurface(compression));
     attach(*this, newTriangle(device, 1));

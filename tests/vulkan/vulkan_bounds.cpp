@@ -57,7 +57,7 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
   std::vector<RTCRayHit> rays;
   int i = 0;
   for (RTCCompression compression :
-       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
     const float x = 3.0f*float(i);
     SurfaceSettings settings = smallSurface(compression);
     settings.displacement = &displacements[i];

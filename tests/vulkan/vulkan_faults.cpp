@@ -65,7 +65,7 @@ std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& 
     RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
     const bool done = trace(scene.get(), traced, &times);
     EXPECT_TRUE(areSame(traced, done ? expected : rays));
-    EXPECT_EQ(times.seconds >= 0, done);
+    EXPECT_EQ(times.traceSeconds >= 0, done);
     return done;
   };
 }
@@ -108,7 +108,7 @@ TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
 // Each shader: those for tracing, and those for sorting rays beforehand.
 TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
 {
-  SmallScene scene(embree, RTC_COMPRESSION_VOXEL);
+  SmallScene scene(embree, RTC_COMPRESSION_CVOXEL);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   for (const char* function : {"CreateShaderModule", "CreateComputePipelines"}) {
     SCOPED_TRACE(function);
@@ -174,7 +174,7 @@ TEST_F(VulkanFaults, FailedAllocationsAreReported)
 TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
 {
   if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
-  const SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
@@ -226,7 +226,7 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
 
 TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 {
-  SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);
+  SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CGRID);
   settings.rate = 64;
   settings.frameLevel = 2;
   SurfaceScene scene(embree, sheetCage(8), settings);
@@ -275,9 +275,9 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
     Displacement displacement;
     if (i % 4 == 3) {
       const DicedMesh sheet = meshOf(dicedSheet(1, 17 + unsigned(random.below(24))), QuadOrder::Rows, random);
-      attach(scene, newMesh(embree, irregularTriangles(sheet, random), RTC_COMPRESSION_VERT));
+      attach(scene, newMesh(embree, irregularTriangles(sheet, random), RTC_COMPRESSION_CVERT));
     } else {
-      SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
+      SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
       displacement.amplitude = float(random.uniform(0, 0.1));
       settings.displacement = &displacement;
       settings.rate = float(1 + random.below(12));
@@ -338,7 +338,7 @@ TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
   EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
     << embree.message;
   EXPECT_TRUE(areSame(traced, rays));
-  EXPECT_EQ(times.seconds, -1);
+  EXPECT_EQ(times.traceSeconds, -1);
   EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(areSame(occluded, withoutHits(rays)));

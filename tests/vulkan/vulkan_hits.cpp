@@ -83,7 +83,7 @@ TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu)
     return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
   };
   for (RTCCompression kind :
-       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     Agreement sum;
     const SurfaceScene scene(embree, cubeCage(), settings(kind, 32));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
@@ -101,7 +101,7 @@ TEST_F(VulkanHits, DegenerateBlocksLeftToGridMatchCpu)
   cage.positions.insert(cage.positions.end(), {{-1,-1,-1}, {1,-1,-1}, {1,1,-0.8f}, {-1,1,-1}});
   cage.addFace({4, 5, 6, 7});
   Agreement sum;
-  SurfaceSettings s = settings(RTC_COMPRESSION_LEAF);
+  SurfaceSettings s = settings(RTC_COMPRESSION_CLEAF);
   s.displacement = nullptr;
   const SurfaceScene scene(embree, cage, s);
   compare(scene, raysAt(random, 5000), sum);
@@ -141,9 +141,9 @@ TEST_F(VulkanHits, CompressedGridsMatchCpu)
   for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16),
                              dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
     Scene scene(embree);
-    rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
+    rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_CVERT), 3);
     rtcReleaseGeometry(rtcGetGeometry(scene, 3));
-    addSurface(embree, scene, sheetCage(2), settings(RTC_COMPRESSION_LEAF));
+    addSurface(embree, scene, sheetCage(2), settings(RTC_COMPRESSION_CLEAF));
     rtcCommitScene(scene);
     compare(scene, raysAt(random, 4000), sum);
   }
@@ -159,7 +159,7 @@ TEST_F(VulkanHits, CompressedMeshesMatchCpu)
     const DicedMesh halves = halvesApart(triangles), turned = withTurnedTriangles(triangles, random);
     for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2), ball, triangles, halves, turned}) {
       Scene scene(embree);
-      rtcAttachGeometryByID(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT), 3);
+      rtcAttachGeometryByID(scene, newMesh(embree, mesh, RTC_COMPRESSION_CVERT), 3);
       rtcReleaseGeometry(rtcGetGeometry(scene, 3));
       rtcCommitScene(scene);
       ASSERT_GT(statisticsOf(scene).numMeshQuads, 1000u);
@@ -176,14 +176,14 @@ TEST_F(VulkanHits, LosslessGeometryMatchesCpu)
   Agreement sum;
   for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(6, 8), dicedBall(2, 16)}) {
     Scene scene(exact);
-    attach(scene, newGrids(exact, diced, RTC_COMPRESSION_VERT));
+    attach(scene, newGrids(exact, diced, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     ASSERT_EQ(statisticsOf(scene).maxVertexSpacing, 0);
     compare(scene, raysAt(random, 3000), sum);
   }
   for (const NamedCage& c : cagesOfEverySort()) {
     SCOPED_TRACE(c.name);
-    const SurfaceScene scene(exact, c.cage, settings(RTC_COMPRESSION_VERT, 16));
+    const SurfaceScene scene(exact, c.cage, settings(RTC_COMPRESSION_CVERT, 16));
     compare(scene, raysAt(random, 2000), sum);
   }
   sum.expect();
@@ -229,10 +229,10 @@ void copyTo(float out[12], const double columns[3][3], const Vec& origin)
 TEST_F(VulkanHits, InstancesMatchCpu)
 {
   Scene leaves(embree), triangles(embree), scene(embree);
-  SurfaceSettings s = settings(RTC_COMPRESSION_LEAF);
+  SurfaceSettings s = settings(RTC_COMPRESSION_CLEAF);
   s.fallbackFaces = true;
   addSurface(embree, leaves, cubeCage(), s);
-  addSurface(embree, leaves, sheetCage(3), settings(RTC_COMPRESSION_VERT));
+  addSurface(embree, leaves, sheetCage(3), settings(RTC_COMPRESSION_CVERT));
   rtcCommitScene(leaves);
   addTriangles(embree, triangles, random, 50);
   rtcCommitScene(triangles);
@@ -323,7 +323,7 @@ TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
       occludedOnDevice(onDevice, any);
       size_t leaks = 0, others = 0;
       for (size_t i = 0; i < rays.size(); i++) {
-        leaks += !isHit(found[i]) && kind != RTC_COMPRESSION_NONE && kind != RTC_COMPRESSION_GRID;
+        leaks += !isHit(found[i]) && kind != RTC_COMPRESSION_NONE && kind != RTC_COMPRESSION_CGRID;
         others += isHit(found[i]) != isHit(ofUnitLength[i]) || isHit(found[i]) != (any[i].tfar < 0);
       }
       EXPECT_EQ(leaks, 0u) << kindName(kind) << ", length 2^" << exponent;
@@ -334,7 +334,7 @@ TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
 
 TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
 {
-  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_LEAF));
+  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CLEAF));
   const VulkanScene onDevice = newVulkanScene(device, scene);
   ASSERT_NE(onDevice, nullptr) << embree.message;
   for (unsigned count : {1u, 2u, 4097u, 20011u}) {
@@ -358,7 +358,7 @@ TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
 TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
 {
   Scene scene(embree);
-  for (int i = 0; i < 3; i++) addSurface(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT));
+  for (int i = 0; i < 3; i++) addSurface(embree, scene, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays;
   for (int i = 0; i < 20000; i++)

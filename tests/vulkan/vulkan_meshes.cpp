@@ -92,13 +92,13 @@ TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndRespectMasks)
   Scene scene(embree);
   unsigned mask = 1;
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
-    RTCGeometry geometry = newMesh(embree, shape.mesh, RTC_COMPRESSION_VERT);
+    RTCGeometry geometry = newMesh(embree, shape.mesh, RTC_COMPRESSION_CVERT);
     rtcSetGeometryMask(geometry, mask);
     rtcCommitGeometry(geometry);
     attach(scene, geometry);
     mask *= 2;
   }
-  addSurface(embree, scene, cubeCage(), smallSurface(RTC_COMPRESSION_VERT));
+  addSurface(embree, scene, cubeCage(), smallSurface(RTC_COMPRESSION_CVERT));
   attach(scene, newTriangle(embree, 0.1f));
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
@@ -116,11 +116,11 @@ TEST_F(VulkanMeshes, InstancesMatchCpu)
   Scene inside(embree), scene(embree);
   const DicedMesh ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01);
   const DicedMesh sheet = meshOf(dicedSheet(1, 50), QuadOrder::Rows, random);
-  attach(inside, newMesh(embree, irregularTriangles(ball, random), RTC_COMPRESSION_VERT));
-  attach(inside, newMesh(embree, partlyIrregular(sheet, random, false), RTC_COMPRESSION_VERT));
+  attach(inside, newMesh(embree, irregularTriangles(ball, random), RTC_COMPRESSION_CVERT));
+  attach(inside, newMesh(embree, partlyIrregular(sheet, random, false), RTC_COMPRESSION_CVERT));
   rtcCommitScene(inside);
   attachMovingInstances(embree, scene, inside, random);
-  attach(scene, newMesh(embree, irregularQuads(sheet, random), RTC_COMPRESSION_VERT));
+  attach(scene, newMesh(embree, irregularQuads(sheet, random), RTC_COMPRESSION_CVERT));
   rtcCommitScene(scene);
   Agreement sum;
   compare(scene, maskedTimedRays(random, 20000), sum);
@@ -133,7 +133,7 @@ TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
     SCOPED_TRACE(shape.name);
     Scene scene(embree);
-    for (int i = 0; i < 3; i++) attach(scene, newMesh(embree, shape.mesh, RTC_COMPRESSION_VERT));
+    for (int i = 0; i < 3; i++) attach(scene, newMesh(embree, shape.mesh, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     const VulkanScene onDevice = newVulkanScene(device, scene);
     ASSERT_NE(onDevice, nullptr) << embree.message;
@@ -189,7 +189,7 @@ TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
   for (DicedMesh mesh : {irregularTriangles(sheet, random), irregularQuads(sheet, random)}) {
     mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.1*step); };
     Scene scene(embree);
-    attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT, 0, 2));
+    attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_CVERT, 0, 2));
     rtcCommitScene(scene);
     EXPECT_EQ(newVulkanScene(device, scene), nullptr);
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);

@@ -20,7 +20,7 @@ protected:
   {
     SurfaceSettings s;
     s.displacement = &displacement;
-    s.compression = RTC_COMPRESSION_VERT;
+    s.compression = RTC_COMPRESSION_CVERT;
     s.rate = rate;
     s.timeSteps = timeSteps;
     s.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
@@ -109,7 +109,7 @@ TEST_F(VulkanMotion, MovingNextToStaticGeometryMatchesCpu)
     others[i].scale = 0.5f;
     s.displacement = &others[i];
     s.mask = 1u << i;
-    if (i == 0) s.compression = RTC_COMPRESSION_LEAF;
+    if (i == 0) s.compression = RTC_COMPRESSION_CLEAF;
     addSurface(embree, scene, i % 2 ? cubeCage() : prismCage(5), s);
   }
   attach(scene, newTriangle(embree, 0.1f));
@@ -127,7 +127,7 @@ TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu)
   for (unsigned timeSteps : {2u, 4u}) {
     for (const Diced& diced : {dicedSheet(6, 8), dicedSheet(1, 64), dicedBall(2, 11)}) {
       Scene scene(embree);
-      attach(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT, 0, timeSteps));
+      attach(scene, newGrids(embree, diced, RTC_COMPRESSION_CVERT, 0, timeSteps));
       rtcCommitScene(scene);
       ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
       compare(scene, timedRays(random, 2000), sum);
@@ -135,7 +135,7 @@ TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu)
     const DicedMesh quads = meshOf(dicedSheet(3, 16), allQuadOrders[0], random);
     for (DicedMesh mesh : {quads, trianglesOf(quads, 1, 2)}) {
       Scene scene(embree);
-      attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+      attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
       rtcCommitScene(scene);
       ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
       compare(scene, timedRays(random, 2000), sum);

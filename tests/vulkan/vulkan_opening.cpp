@@ -76,7 +76,7 @@ TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
   vulkan = std::make_unique<ValidatedDevice>(options);
   device = open(vulkan->handles);
   ASSERT_TRUE(device) << embree.message;
-  const SmallScene leaf(embree), vert(embree, RTC_COMPRESSION_VERT);
+  const SmallScene leaf(embree), vert(embree, RTC_COMPRESSION_CVERT);
   EXPECT_FALSE(newVulkanScene(device, leaf, RTC_VULKAN_MEMORY_IMPORT));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
@@ -126,7 +126,7 @@ TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
   ASSERT_TRUE(device) << embree.message;
   EXPECT_EQ(faults->live()["instance"], 1u);
   EXPECT_EQ(faults->live()["device"], 1u);
-  SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   const VulkanScene uploaded = newVulkanScene(device, scene);
   ASSERT_TRUE(uploaded) << embree.message;
   const std::vector<RTCRayHit> rays = raysFromAbove();

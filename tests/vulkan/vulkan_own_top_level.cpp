@@ -162,7 +162,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_VERT;
+  settings.compression = RTC_COMPRESSION_CVERT;
   settings.rate = 16;
 
   /* an instance next to a surface */

@@ -86,7 +86,7 @@ TEST_F(VulkanRayQuery, HitsMatchComputeShaders)
       const SurfaceScene scene(embree, cage, settings(kind));
       const Differences found = compare(scene, raysAt(random, 10000));
       SCOPED_TRACE(kindName(kind));
-      expectSame(found, kind == RTC_COMPRESSION_VERT || kind == RTC_COMPRESSION_GRID ? 0 : found.hits/1000);
+      expectSame(found, kind == RTC_COMPRESSION_CVERT || kind == RTC_COMPRESSION_CGRID ? 0 : found.hits/1000);
     }
 }
 
@@ -94,7 +94,7 @@ TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
 {
   for (const Diced& diced : {dicedSheet(6, 8), dicedSheet(1, 64), dicedBall(2, 11)}) {
     Scene scene(embree);
-    rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
+    rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_CVERT), 3);
     rtcReleaseGeometry(rtcGetGeometry(scene, 3));
     rtcCommitScene(scene);
     expectSame(compare(scene, raysAt(random, 4000)));
@@ -102,7 +102,7 @@ TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
   const DicedMesh quads = meshOf(dicedSheet(3, 16), allQuadOrders[0], random);
   for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2)}) {
     Scene scene(embree);
-    attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT));
+    attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     expectSame(compare(scene, raysAt(random, 4000)));
   }
@@ -115,7 +115,7 @@ TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
     SCOPED_TRACE(shape.name);
     const MeshScene alone(embree, shape.mesh);
     expectSame(compare(alone, raysAt(random, 4000)));
-    attach(inside, newMesh(embree, shape.mesh, RTC_COMPRESSION_VERT));
+    attach(inside, newMesh(embree, shape.mesh, RTC_COMPRESSION_CVERT));
   }
   rtcCommitScene(inside);
   attachMovingInstances(embree, scene, inside, random);
@@ -146,7 +146,7 @@ TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders)
 
 TEST_F(VulkanRayQuery, NonFiniteRaysMiss)
 {
-  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_VERT));
+  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   const VulkanScene query = newQueryScene(device, scene);
   ASSERT_NE(query, nullptr) << embree.message;
   std::vector<RTCRayHit> rays = raysAt(random, 4096);
@@ -164,7 +164,7 @@ TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
 {
   AllVertices recorder;
   Scene scene(embree);
-  recorder.build(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT, 32));
+  recorder.build(embree, scene, cubeCage(), settings(RTC_COMPRESSION_CVERT, 32));
   const VulkanScene query = newQueryScene(device, scene);
   ASSERT_NE(query, nullptr) << embree.message;
   const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 8192);
@@ -184,7 +184,7 @@ TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets)
 {
   for (float offset : {0.f, 1e3f}) {
     displacement.offset = {offset, -offset, 0.5f*offset};
-    const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_VERT));
+    const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
     std::vector<RTCRayHit> rays;
     for (int i = 0; i < 20000; i++) {
       Vec d, target, org;
@@ -203,11 +203,11 @@ TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets)
 TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
 {
   Scene inside(embree), scene(embree);
-  addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_VERT));
-  addSurface(embree, inside, sheetCage(3), settings(RTC_COMPRESSION_LEAF));
+  addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_CVERT));
+  addSurface(embree, inside, sheetCage(3), settings(RTC_COMPRESSION_CLEAF));
   attach(inside, newTriangle(embree, 0.3f));
   rtcCommitScene(inside);
-  addSurface(embree, scene, prismCage(5), settings(RTC_COMPRESSION_VERT));
+  addSurface(embree, scene, prismCage(5), settings(RTC_COMPRESSION_CVERT));
   attachMovingInstances(embree, scene, inside, random);
   rtcCommitScene(scene);
   const Differences found = compare(scene, maskedTimedRays(random, 20000));
@@ -219,7 +219,7 @@ TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders)
   Scene scene(embree);
   Displacement others[4];
   for (unsigned i = 0; i < 4; i++) {
-    SurfaceSettings s = settings(RTC_COMPRESSION_VERT);
+    SurfaceSettings s = settings(RTC_COMPRESSION_CVERT);
     s.timeSteps = 1 + i;
     s.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3*step); };
     if (i > 1) {
@@ -257,7 +257,7 @@ TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
   for (unsigned i = 0; i < 3; i++) {
     others[i].offset = {1.2f*float(i) - 1.2f, 0, 0};
     others[i].scale = 0.5f;
-    SurfaceSettings s = settings(RTC_COMPRESSION_VERT);
+    SurfaceSettings s = settings(RTC_COMPRESSION_CVERT);
     s.displacement = &others[i];
     geometries.push_back(newSurface(embree, cubeCage(), s));
     rtcAttachGeometry(scene, geometries.back());
@@ -298,7 +298,7 @@ TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
 
 TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
 {
-  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_VERT));
+  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   const VulkanScene compute = newVulkanScene(device, scene), query = newQueryScene(device, scene);
   EXPECT_EQ(rtcGetVulkanSceneInstances(compute.get(), nullptr, 0), 0u);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);

@@ -38,10 +38,10 @@ private:
   unsigned scenes = 0;
 };
 
-TEST_F(VulkanReference, GridsMatchReference) { expectReferences(RTC_COMPRESSION_GRID); }
-TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION_VOXEL); }
-TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_LEAF); }
-TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_VERT); }
+TEST_F(VulkanReference, GridsMatchReference) { expectReferences(RTC_COMPRESSION_CGRID); }
+TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION_CVOXEL); }
+TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_CLEAF); }
+TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_CVERT); }
 
 } // namespace
 } // namespace cbvh::test

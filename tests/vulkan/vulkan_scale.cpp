@@ -50,7 +50,7 @@ protected:
 TEST_F(VulkanScale, HundredThousandInstances)
 {
   Scene leaf(embree), scene(embree);
-  addSurface(embree, leaf, cubeCage(), settings(RTC_COMPRESSION_LEAF, 16));
+  addSurface(embree, leaf, cubeCage(), settings(RTC_COMPRESSION_CLEAF, 16));
   rtcCommitScene(leaf);
   for (int i = 0; i < 100000; i++) {
     RTCGeometry instance = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -83,7 +83,7 @@ TEST_F(VulkanScale, TenThousandGeometries)
     displacements[i].scale = 0.04f;
     displacements[i].offset = {float(random.uniform(-2, 2)), float(random.uniform(-2, 2)),
                                float(random.uniform(-2, 2))};
-    SurfaceSettings s = settings(i % 2 ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VERT, 2);
+    SurfaceSettings s = settings(i % 2 ? RTC_COMPRESSION_CLEAF : RTC_COMPRESSION_CVERT, 2);
     s.displacement = &displacements[i];
     addSurface(embree, scene, cubeCage(), s);
   }

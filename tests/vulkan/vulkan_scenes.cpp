@@ -132,7 +132,7 @@ std::vector<RefusedGeometry> refusedGeometries()
        return g;
      }},
     {"surface with an occlusion filter", {"filter function"}, [](RTCDevice device) {
-       const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
+       const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_CLEAF));
        rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
        rtcCommitGeometry(g);
        return g;
@@ -259,7 +259,7 @@ TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
   EXPECT_EQ(copied.stackSize % 32, 0u);
   EXPECT_NE(rtcGetVulkanSceneAddress(copy.get()), 0u);
   EXPECT_EQ(rtcGetVulkanSceneAddress(copy.get()) % 16, 0u);
-  EXPECT_NE(rtcGetVulkanSceneKinds(copy.get()), 0u);
+  EXPECT_NE(rtcGetVulkanSceneLeafKinds(copy.get()), 0u);
   if (!vulkan->handles.hasHostImport) return;
   const VulkanScene import = upload(scene, RTC_VULKAN_MEMORY_IMPORT), again = upload(scene, RTC_VULKAN_MEMORY_IMPORT);
   ASSERT_TRUE(import && again) << embree.message;
@@ -279,7 +279,7 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
 {
   for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and surfaces with their own buffers
     SCOPED_TRACE(testing::Message() << "rate " << rate);
-    SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
+    SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
     Displacement displacement;
     settings.rate = float(rate);
     settings.displacement = &displacement;
@@ -336,7 +336,7 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
 
 TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
 {
-  const SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   RTCVulkanSceneStatistics before, after;
   VulkanScene uploaded = upload(scene, RTC_VULKAN_MEMORY_COPY);
   rtcGetVulkanSceneStatistics(uploaded.get(), &before);

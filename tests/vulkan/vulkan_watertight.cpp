@@ -29,7 +29,7 @@ protected:
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 INSTANTIATE_TEST_SUITE_P(Compression, VulkanWatertight,
-                         testing::Values(RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+                         testing::Values(RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
 
 TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit)
 {

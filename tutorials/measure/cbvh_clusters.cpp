@@ -64,7 +64,7 @@ size_t measure(const Options& options, Model& model)
   context.level = options.level;
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VERT;
+  args.compression = RTC_COMPRESSION_CVERT;
   if (options.maxError >= 0)
     args.maxError = options.maxError;
   const size_t before = device.memory().live();

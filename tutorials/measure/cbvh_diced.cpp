@@ -47,7 +47,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   };
   const TimedBuild embree(prepare, options.compared, RTC_COMPRESSION_NONE, -1,
                           options.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
-  const TimedBuild ours(prepare, options.compared, RTC_COMPRESSION_VERT);
+  const TimedBuild ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
   const PictureRays picture(model, embree.handle(), options.compared.side, false);
   const std::vector<RTCRayHit>* const sets[3] = {&picture.primary, &picture.tiles, &picture.bounces};
   std::vector<RTCRayHit> hits[2];

@@ -57,7 +57,7 @@ void measure(const Options& options, const Model& model)
 {
   const PrepareGeometry prepare = prepareCage(model, options.compared.level);
   const TimedBuild grid(prepare, options.compared, RTC_COMPRESSION_NONE),
-    ours(prepare, options.compared, RTC_COMPRESSION_VERT);
+    ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
   const double quads = double(model.layout(options.compared.level).numQuads());
   const PictureRays rays(model, grid.handle(), options.compared.side, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
@@ -123,7 +123,7 @@ void measureStill(const Options& options, Model model)
   contexts[0].level = contexts[1].level = options.compared.level;
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VERT;
+  args.compression = RTC_COMPRESSION_CVERT;
   const GeometryHandle still = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args);
   const GeometryHandle moving =
     SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);

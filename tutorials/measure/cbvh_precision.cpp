@@ -251,10 +251,10 @@ public:
   Built(const Source& source, const ComparedScenes& compared, RTCCompression compression, float maxError)
     : TimedBuild(source.prepare, compared, compression, maxError)
   {
-    if ((compression == RTC_COMPRESSION_VERT) != (statistics.numQuads == source.numQuads))
+    if ((compression == RTC_COMPRESSION_CVERT) != (statistics.numQuads == source.numQuads))
       throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " +
                   std::to_string(source.numQuads) + " quads are compressed: expected " +
-                  (compression == RTC_COMPRESSION_VERT ? "all" : "none"));
+                  (compression == RTC_COMPRESSION_CVERT ? "all" : "none"));
   }
 
   /* All stored vertices at all time steps, in the same order for each precision. */
@@ -314,7 +314,7 @@ void printSpread(std::vector<double> values)
 void measure(const Options& options, const Source& source)
 {
   const ComparedScenes& compared = options.compared;
-  Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, RTC_COMPRESSION_VERT, 0);
+  Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, RTC_COMPRESSION_CVERT, 0);
   const std::vector<Vec3f> expected = exact.vertices(source.steps);
   const double edge = medianEdge(exact), quads = double(source.numQuads);
   const PictureRays picture(source.model, embree.handle(), compared.side, source.steps > 1);
@@ -327,7 +327,7 @@ void measure(const Options& options, const Source& source)
   {
     std::unique_ptr<Built> other;
     if (precision.second != 0)
-      other = std::make_unique<Built>(source, compared, RTC_COMPRESSION_VERT, float(precision.second));
+      other = std::make_unique<Built>(source, compared, RTC_COMPRESSION_CVERT, float(precision.second));
     Built& built = other ? *other : exact;
     std::printf("| %s | %.2f | %s | %.1f | %.2f |", source.name.c_str(), quads * 1e-6, precision.first.c_str(),
                 double(embree.bytes) / quads, double(built.bytes) / quads);

@@ -113,7 +113,7 @@ private:
 
     RTCVulkanSceneStatistics statistics;
     rtcGetVulkanSceneStatistics(scene, &statistics);
-    const uint32_t constants[2] = {rtcGetVulkanSceneKinds(scene), statistics.stackSize};
+    const uint32_t constants[2] = {rtcGetVulkanSceneLeafKinds(scene), statistics.stackSize};
     const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
     const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};
     VkComputePipelineCreateInfo info = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

@@ -188,6 +188,8 @@ void defineCage(py::module_& module)
     .def_static("load", &loadCage, py::arg("path"),
                 R"(Reads a Wavefront OBJ file, with OpenSubdiv's `t` tags for creases, corners, holes and boundaries.
 
+path: of the file, str or os.PathLike.
+
 Raises Error with the line for a file that cannot be read, and Error if OpenSubdiv rejects the topology.)")
     .def_readonly("name", &Cage::name, "Name in messages.")
     .def_property_readonly("vertices", array<float>(&Cage::positions), "(n, 3) float32: control points.")

@@ -73,7 +73,7 @@ size: width and height of the picture in pixels, 1 to 16384 each.)")
     .def_property_readonly("fov", &Camera::fov, "Vertical field of view, degrees.")
     .def_property_readonly("size", [](const Camera& c) { return py::make_tuple(c.size().width, c.size().height); },
                            "Width and height of the picture in pixels.")
-    .def_property_readonly("footprint", &Camera::footprint,
+    .def_property_readonly("pixel_size", &Camera::footprint,
                            "Width of a pixel at a distance of 1, the unit of errors. At distance t it is t times this.")
     .def("__repr__", [](const Camera& c) { return "<Camera " + c.description() + ">"; });
 

@@ -74,7 +74,7 @@ for level in LEVELS:
             "representation": scene.representation,
             "level": level,
             "bytes": scene.statistics()["bytes_per_quad"],
-            "error": scene.true_errors(hits, *pixels, camera.footprint, count=2000)["median_pixels"],
+            "error": scene.true_errors(hits, *pixels, camera.pixel_size, count=2000)["median_pixels"],
         }
         for kind in rays:
             row[kind] = len(rays[kind][0]) * 1e-6 / statistics.median(seconds[scene, kind])
@@ -128,9 +128,9 @@ shown = [scene for scene in scenes if scene.representation != "GRID"]
 figure, panels = plt.subplots(1, len(shown), figsize=(3.6 * len(shown), 2.8), constrained_layout=True)
 for panel, scene in zip(panels, shown):
     hits = scene.intersect(*pixels)
-    errors = cbvh.pixel_errors(hits, reference, camera.footprint)
+    errors = cbvh.pixel_errors(hits, reference, camera.pixel_size)
     image = panel.imshow(np.maximum(errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
-    summary = scene.errors(hits, reference, camera.footprint)
+    summary = scene.compare(hits, reference, camera.pixel_size)
     title = f"{scene.representation}: median {summary['median_pixels']:.2g}, p99 {summary['p99_pixels']:.2g} px"
     panel.set_title(title, fontsize=10)
     panel.set_axis_off()

@@ -21,9 +21,11 @@
 #include "tracing/trace_timing.h"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -204,18 +206,18 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
 
 /* --- files ----------------------------------------------------------------------- */
 
-void save(const Scene& scene, const std::string& path)
+void save(const Scene& scene, const std::filesystem::path& path)
 {
   if (!scene.built.representation().isCompressed())
     throwValueError("path", "only compressed scenes can be saved: expected another representation than " +
                               scene.built.representation().label());
-  interruptible(py::none(), [&] { scene.built.save(path); return 0; });
+  interruptible(py::none(), [&] { scene.built.save(path.string()); return 0; });
 }
 
-std::shared_ptr<LoadedScene> loadFile(const std::string& path, int threads)
+std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads)
 {
   const unsigned n = threadsOf(threads);
-  return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path, n); });
+  return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path.string(), n); });
 }
 
 Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions,
@@ -273,7 +275,7 @@ void requireHitsOf(const Scene& scene, const Hits& hits, const char* argument)
 void requirePositive(float footprint)
 {
   if (!(footprint > 0.0f) || !std::isfinite(footprint))
-    throwValueError("footprint", "is " + std::to_string(footprint) + ": expected a finite number above 0");
+    throwValueError("pixel_size", "is " + std::to_string(footprint) + ": expected a finite number above 0");
 }
 
 py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint)
@@ -436,14 +438,14 @@ other representations.)";
 
 constexpr const char* saveText = R"(Saves a compressed scene to a file, which load() and cbvh_render --load open.
 
-path: of the file. An existing file is replaced when the new one is complete.
+path: of the file, str or os.PathLike. An existing file is replaced when the new one is complete.
 
 Raises ValueError if the scene is not compressed, and Error if the file cannot be written.)";
 
 constexpr const char* loadText =
   R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
 
-path: of the file, which must not be modified while it is open.
+path: of the file, str or os.PathLike. The file must not be modified while it is open.
 threads: of the device, 0 for all.
 
 The scene has no model, but the same hits to the bit. The file is mapped: parts that no ray reaches stay on disk. Raises
@@ -454,7 +456,7 @@ constexpr const char* errorsText =
 
 hits: hits in this scene.
 reference: hits of the same rays in another representation of the same model.
-footprint: width of a pixel at distance 1 (Camera.footprint); directions must have unit length.
+pixel_size: width of a pixel at distance 1 (Camera.pixel_size); directions must have unit length.
 
 rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. rmse_of_others_pixels and
 bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, which usually mean another sheet of the
@@ -465,7 +467,7 @@ constexpr const char* trueErrorsText =
   R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.
 
 hits: hits in this scene of the rays origins and directions, which must have unit length.
-footprint: width of a pixel at distance 1 (Camera.footprint).
+pixel_size: width of a pixel at distance 1 (Camera.pixel_size).
 count, seed: number and seed of the hits that are chosen at random.
 threads: 0 for all.
 progress: called with the name of a phase and the fraction done, 0 to 1.
@@ -477,7 +479,7 @@ constexpr const char* pixelErrorsText =
   R"(Returns the distance between the hit points of each ray in pixels, (...) float32.
 
 hits, reference: hits of the same rays, whose directions must have unit length.
-footprint: width of a pixel at distance 1 (Camera.footprint).
+pixel_size: width of a pixel at distance 1 (Camera.pixel_size).
 
 The distance is NaN unless both hit.)";
 
@@ -500,8 +502,8 @@ void defineScene(py::module_& module)
     .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
     .def("tessellation", &tessellation, py::kw_only(), arg("time") = 0.0f, tessellationText)
     .def("save", &save, arg("path"), saveText)
-    .def("errors", &errorsOf, arg("hits"), arg("reference"), arg("footprint"), errorsText)
-    .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
+    .def("compare", &errorsOf, arg("hits"), arg("reference"), arg("pixel_size"), errorsText)
+    .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("pixel_size"), py::kw_only(),
          arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)
     .def_property_readonly("bounds", [](const Scene& s) { return arrayOf(s.built.bounds()); },
                            "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
@@ -547,7 +549,7 @@ void defineScene(py::module_& module)
              arg("frame_level") = py::none(), arg("max_error") = py::none(), arg("max_pixel_error") = 0.0f,
              arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",
              arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
-  module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("footprint"), pixelErrorsText);
+  module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("pixel_size"), pixelErrorsText);
 }
 
 } // namespace cbvh::python

@@ -63,7 +63,7 @@ std::string kindsIn(const SavedScene& scene)
 {
   std::string kinds;
   for (RepresentationKind kind : representationKinds())
-    for (const RTCCompressedFileGeometry& geometry : scene.geometries())
+    for (const RTCCompressedFileGeometryInfo& geometry : scene.geometries())
       if (RepresentationKind(geometry.compression) == kind)
       {
         kinds += (kinds.empty() ? "" : ", ") + labelOf(kind);

@@ -169,12 +169,12 @@ void Input::describeMesh(CbvhSurface surface) const
   Packed<Corners4> quads;
   if (type == RTC_GEOMETRY_TYPE_QUAD) {
     quads = Packed<Corners4>(find(RTC_BUFFER_TYPE_INDEX));
-    mesh.corners = 4;
+    mesh.verticesPerFace = 4;
     mesh.count = quads.count;
     mesh.indices = (const unsigned int*)quads.data;
   } else {
     triangles = Packed<Corners3>(find(RTC_BUFFER_TYPE_INDEX));
-    mesh.corners = 3;
+    mesh.verticesPerFace = 3;
     mesh.count = triangles.count;
     mesh.indices = (const unsigned int*)triangles.data;
   }

@@ -119,9 +119,9 @@ namespace embree
       if (settings.compression == RTC_COMPRESSION_NONE) continue;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
-      if (moves && settings.compression != RTC_COMPRESSION_VERT)
-        std::cerr << " requested, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
-      else if (settings.compression != RTC_COMPRESSION_VERT) { // cVERT has no frames
+      if (moves && settings.compression != RTC_COMPRESSION_CVERT)
+        std::cerr << " requested, but it has motion blur: " << compressionName(RTC_COMPRESSION_CVERT);
+      else if (settings.compression != RTC_COMPRESSION_CVERT) { // cVERT has no frames
         if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cerr << ", frame level auto";
         else std::cerr << ", frame level " << settings.frameLevel;
       }

@@ -63,7 +63,7 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice
   return nullptr;
 }
 
-RTC_API unsigned int rtcGetCompressedFileWriterCount (RTCCompressedFileWriter hwriter)
+RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount (RTCCompressedFileWriter hwriter)
 {
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
@@ -85,7 +85,7 @@ RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGe
   return false;
 }
 
-RTC_API bool rtcCommitCompressedFile (RTCCompressedFileWriter hwriter)
+RTC_API bool rtcCommitCompressedFileWriter (RTCCompressedFileWriter hwriter)
 {
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
@@ -125,15 +125,15 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
   return 0;
 }
 
-RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int index,
-                                           struct RTCCompressedFileGeometry* description)
+RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned int index,
+                                               struct RTCCompressedFileGeometryInfo* description)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
   require(description,"description");
   const core::FileDescription known = file->describe(index);
-  RTCCompressedFileGeometry to = RTCCompressedFileGeometry();
+  RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = known.type;
   to.compression = known.compression;
   to.primitiveCount = known.primitiveCount;

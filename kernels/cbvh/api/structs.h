@@ -17,7 +17,7 @@ namespace embree
   {
     CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
     CBVH_GROWING_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
-    CBVH_GROWING_STRUCT(RTCCompressedFileGeometry,bytes);
+    CBVH_GROWING_STRUCT(RTCCompressedFileGeometryInfo,bytes);
     CBVH_GROWING_STRUCT(RTCDicingArguments,maxRates);
     CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
   }

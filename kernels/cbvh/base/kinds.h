@@ -72,7 +72,7 @@ struct KindDescription
   bool hasThickness;         //!< leaves are inexact, with a bound on their thickness
 
   bool hasFrame () const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }
-  RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_GRID + uint32_t(kind)); }
+  RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_CGRID + uint32_t(kind)); }
 };
 
 /*! Only cLEAF aligns frames to the limit surface, along whose normals heights are stored best. Boxes of other kinds are
@@ -88,11 +88,11 @@ static constexpr KindDescription kindDescriptions[] = {
 static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
 
 static_assert(framedKinds < (1u << maxFramedKinds), "headers of blocks with frames have 4 bits for the kind");
-static_assert(RTC_COMPRESSION_VOXEL - RTC_COMPRESSION_GRID == kindVoxel,
+static_assert(RTC_COMPRESSION_CVOXEL - RTC_COMPRESSION_CGRID == kindVoxel,
               "a value of RTCCompression follows from the kind");
-static_assert(RTC_COMPRESSION_LEAF - RTC_COMPRESSION_GRID == kindLeaf,
+static_assert(RTC_COMPRESSION_CLEAF - RTC_COMPRESSION_CGRID == kindLeaf,
               "a value of RTCCompression follows from the kind");
-static_assert(RTC_COMPRESSION_VERT - RTC_COMPRESSION_GRID == kindVert,
+static_assert(RTC_COMPRESSION_CVERT - RTC_COMPRESSION_CGRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
 /*! The kind must be in kindDescriptions. */
@@ -114,7 +114,7 @@ inline bool findKind (int compression, Kind& kind)
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;
-  return findKind(int(compression),kind) ? RTCCompression(compression) : RTC_COMPRESSION_VERT;
+  return findKind(int(compression),kind) ? RTCCompression(compression) : RTC_COMPRESSION_CVERT;
 }
 
 CBVH_END

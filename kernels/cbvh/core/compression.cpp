@@ -21,7 +21,7 @@ namespace embree
         cbvh::Kind kind;
         if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE
             || cbvh::findKind(compression,kind)) return;
-        const bool isOfPaper = compression >= RTC_COMPRESSION_GRID && compression <= RTC_COMPRESSION_LEAF;
+        const bool isOfPaper = compression >= RTC_COMPRESSION_CGRID && compression <= RTC_COMPRESSION_CLEAF;
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(isOfPaper ? "this library was built without compression "
             : "unknown compression ") + std::to_string(compression));
       }

@@ -34,7 +34,7 @@ namespace embree
         requireAbove("width",camera.width,0.0f,true);
         requireAbove("height",camera.height,0.0f,true);
         requireAbove("quadSize",camera.quadSize,0.0f,false);
-        requireAbove("outside",camera.outside,1.0f,true);
+        requireAbove("outsideFactor",camera.outsideFactor,1.0f,true);
         requireAbove("maxRate",camera.maxRate,1.0f,true);
         if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate "
             + std::to_string(camera.maxRate) + ": expected 1 to 4096");

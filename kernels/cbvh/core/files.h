@@ -53,7 +53,7 @@ namespace embree
       /*! As rtcAppendCompressedGeometry. */
       void append (Geometry* geometry);
 
-      /*! As rtcCommitCompressedFile. */
+      /*! As rtcCommitCompressedFileWriter. */
       void commit ();
 
       Device* const device;  //!< holds a reference

@@ -19,8 +19,8 @@ namespace embree
   namespace cbvh
   {
     static_assert(fileFramedVersion == formatVersion,"files have the version of blocks with frames");
-    static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_GRID)
-                  && FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_VERT),"files have values of RTCCompression");
+    static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_CGRID)
+                  && FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_CVERT),"files have values of RTCCompression");
 
     namespace
     {
@@ -135,7 +135,7 @@ namespace embree
       record.begin = geometry->time_range.lower;
       record.end = geometry->time_range.upper;
       record.compression = moves || record.source != FILE_CAGE
-        ? RTC_COMPRESSION_VERT : geometry->compression.resolve(geometry->device->compression).compression;
+        ? RTC_COMPRESSION_CVERT : geometry->compression.resolve(geometry->device->compression).compression;
       for (int k=0; k<3; k++) { record.lower[k] = blocks.bounds.lower[k]; record.upper[k] = blocks.bounds.upper[k]; }
       setStatistics(record,blocks.statistics);
       return surface;

@@ -34,7 +34,7 @@ namespace embree
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT needs less memory than cGRID, is smaller and more exact
      *  than cLEAF, and builds fastest. cVOXEL may be smaller, but its boxes are not a surface to shade. */
-    static const RTCCompression bestCompression = RTC_COMPRESSION_VERT;
+    static const RTCCompression bestCompression = RTC_COMPRESSION_CVERT;
 
     /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
     void parseEnvironment ();

@@ -23,7 +23,7 @@ namespace embree
     const float* transform = nullptr;
     float quadSize = 1;                //!< approximate edge length in pixels; greater than 0
     /*! Factor of quad sizes far outside of the picture and behind the camera. At least 1. */
-    float outside = 8;
+    float outsideFactor = 8;
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
     const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only
   };
@@ -42,7 +42,7 @@ namespace embree
     camera.height = args.height;
     camera.transform = args.transform;
     camera.quadSize = args.quadSize;
-    camera.outside = args.outside;
+    camera.outsideFactor = args.outsideFactor;
     camera.maxRate = args.maxRate;
     camera.maxRates = args.maxRates;
     return camera;

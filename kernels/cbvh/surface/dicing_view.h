@@ -23,7 +23,7 @@ namespace embree
     /*! camera: must be valid. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
-          pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outside),
+          pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outsideFactor),
         hasPicture(camera.width > 0.0 && camera.height > 0.0)
     {
       for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;

@@ -32,7 +32,7 @@ namespace embree
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
-        return settings.compression == RTC_COMPRESSION_VERT || settings.fallbackFaces != 0;
+        return settings.compression == RTC_COMPRESSION_CVERT || settings.fallbackFaces != 0;
       }
 
       bool moves () const { return numTimeSteps != 1; }

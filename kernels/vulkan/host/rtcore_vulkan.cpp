@@ -239,7 +239,7 @@ RTC_API VkDeviceAddress rtcGetVulkanSceneAddress(RTCVulkanScene scene)
   return address;
 }
 
-RTC_API unsigned int rtcGetVulkanSceneKinds(RTCVulkanScene scene)
+RTC_API unsigned int rtcGetVulkanSceneLeafKinds(RTCVulkanScene scene)
 {
   unsigned int kinds = 0;
   guarded(embreeOf(scene), [&]() { require(scene, "scene"); kinds = sceneOf(scene)->kinds; });

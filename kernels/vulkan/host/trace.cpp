@@ -98,7 +98,7 @@ RTCVulkanTimes Trace::readTimes() const
   const uint64_t mask = bits >= 64 ? ~uint64_t(0) : (uint64_t(1) << bits) - 1;
   const double tick = 1e-9*double(device.capabilities.properties.limits.timestampPeriod);
   auto seconds = [&](int from, int to) { return tick*double((stamps[to] - stamps[from]) & mask); };
-  times.seconds = seconds(2, 3);
+  times.traceSeconds = seconds(2, 3);
   times.sortSeconds = seconds(1, 2);
   times.copySeconds = seconds(0, 1) + seconds(3, 4);
   return times;

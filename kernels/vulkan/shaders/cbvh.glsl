@@ -5,8 +5,8 @@
  * words; nothing is bound. The device needs bufferDeviceAddress and scalarBlockLayout. With shaderFloat64, cVERT's
  * distances are the same as on the CPU.
  *
- *   #define CBVH_KINDS ...        optional: (specialization) constant with all bits of rtcGetVulkanSceneKinds; other
- *                                 kinds of leaves are not compiled
+ *   #define CBVH_KINDS ...        optional: (specialization) constant with all bits of rtcGetVulkanSceneLeafKinds;
+ *                                 other kinds of leaves are not compiled
  *   #define CBVH_STACK ...        optional: stackSize of rtcGetVulkanSceneStatistics or more
  *   #define CBVH_FLOAT64          if the device has shaderFloat64
  *   #define CBVH_RAY_QUERY        optional: ray queries, see below
