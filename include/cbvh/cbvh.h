@@ -238,7 +238,8 @@ struct CbvhDicing
   float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
   float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
   const float* maxRates;            /* the same for each edge, for example the number of texels along it: one entry per
-                                     * index. NULL: maxRate holds for all edges */
+                                     * index. An edge of two faces gets the higher of their rates. NULL: maxRate
+                                     * holds for all edges */
 };
 
 /* Bounds of the error of stored vertices. If all members are zero, the spacing of the lattice is at most 1/36 of the

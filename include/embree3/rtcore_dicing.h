@@ -32,7 +32,7 @@ struct RTCDicingArguments
                             * least 1 */
   float maxRate;           /* largest number of quads along an edge. Default 4096, 1 to 4096 */
   const float* maxRates;   /* the same for each edge, for example the number of texels along it: one entry per index.
-                            * NULL: maxRate holds for all edges */
+                            * An edge of two faces gets the higher of their rates. NULL: maxRate holds for all edges */
 };
 
 /* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their

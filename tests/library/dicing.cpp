@@ -158,6 +158,8 @@ TEST(Dicing, MaxRateIsRespected)
   std::vector<float> bounds(24, 8.0f);
   args.maxRates = bounds.data();
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
+  std::fill(bounds.begin(), bounds.end(), 3.0f); // no power of two, to which rates are rounded
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 3.0f);
   args.maxRates = nullptr;
   args.maxRate = 13;
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);

@@ -83,11 +83,12 @@ namespace embree
         }
       }
 
-      /*! Nearest power of two by ratio, at most `bound`, which may be infinite. */
-      float rounded (float rate, float bound)
-      {
-        const float power = std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f)))));
-        return min(power,std::ldexp(1.0f,int(std::floor(std::log2(bound)))));
+      /*! Largest power of two up to `bound`, which is at least 1 and may be infinite, and up to 4096. */
+      float largestRate (float bound) { return std::ldexp(1.0f,int(std::floor(std::log2(min(bound,4096.0f))))); }
+
+      /*! Nearest power of two by ratio, at most `bound`. */
+      float rounded (float rate, float bound) {
+        return min(std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f))))),largestRate(bound));
       }
 
       std::vector<float> ratesOf (SubdivMesh* mesh, const DicingCamera& camera)
@@ -121,7 +122,9 @@ namespace embree
                   behind = max(behind,2.0f*max(quads[1],quads[3]));
                 }
               }
-              if (camera.maxRates) for (unsigned i=0; i<n; i++) out[i] = min(out[i],camera.maxRates[first[f]+i]);
+              // rounding must not exceed the bounds
+              if (camera.maxRates)
+                for (unsigned i=0; i<n; i++) out[i] = min(out[i],largestRate(camera.maxRates[first[f]+i]));
             }
           });
         equalizeEdgeRates(mesh,rates);

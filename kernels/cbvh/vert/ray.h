@@ -22,8 +22,8 @@ namespace embree
       template<typename Real>
       struct VertRayAxes
       {
-        /* Of a single ray, each has a fourth value without meaning, such that one store writes the vector and one load
-         * reads it. A load of several stores' data would have to wait for them. */
+        /* A single ray's vectors have a fourth value without meaning, such that one store writes a vector and one load
+         * reads it. A load of data from several stores waits until these have finished. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
         alignas(16) Real org[stride], dir[stride], rcp[stride];
         Real largest; //!< largest component of dir, absolute

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>

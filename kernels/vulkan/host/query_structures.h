@@ -8,6 +8,7 @@
 #include "leaf_boxes.h"
 #include "memory.h"
 
+#include <functional>
 #include <map>
 #include <tuple>
 

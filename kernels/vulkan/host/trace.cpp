@@ -37,7 +37,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
     bytes(bytesOf(query, count))
 {
   onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
-  if (!onDevice->mapped) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
+  if (!onDevice->mapped && bytes) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
   if (scene.sortsRays && count > 1)
     order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "the order of rays"));
   if (bytes) std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);

@@ -42,7 +42,7 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
     leave = min(leave, max(a, b));
   }
   ray.enter = enter;
-  return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
+  return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
 }
 
 /* placed: custom index of the instance. box: index of the primitive. ray: in the scene's space. */
