@@ -114,7 +114,7 @@ inline bool findKind (int compression, Kind& kind)
 }
 
 /*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Such a library
- *  loads only files of cVERT blocks, which other kinds may also consist of. */
+ *  loads only geometries whose blocks are all cVERT, as fallback faces are. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;
