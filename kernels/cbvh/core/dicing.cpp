@@ -115,8 +115,8 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* Otherwise the face has a patch per corner i, whose parameters u and v begin at 2 (i % 4) + 0.5 and
-                 * 2 (i / 4) + 0.5. Two of its sides are halves of the edges at the corner, so its rates count twice. The
+                /* Otherwise the face has a patch per corner i, whose parameters u and v begin at 2 (i % 4) + 0.5 and 2
+                 * (i / 4) + 0.5. Two of its sides are halves of the edges at the corner, so its rates count twice. The
                  * edges also get the rates of the opposite sides. Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
