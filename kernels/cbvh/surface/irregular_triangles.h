@@ -306,8 +306,8 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find flipped
-       *  triangles; one thread changes the lattices, in a fixed order. */
+      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find
+       *  flipped triangles; one thread changes the lattices, in a fixed order. */
       template<typename Progress>
       void refineUntilNoneFlips (std::vector<Found>& found, const Progress& progress)
       {
