@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "quad_regions.h"
 #include "../../cvert/format/block.h"
