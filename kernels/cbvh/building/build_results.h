@@ -17,8 +17,8 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks that a task wrote. strip 0: of consecutive patches, the first of which is `patch` of `primitive`.
-       *  Strips from 1: of one strip of that patch. */
+      /*! Blocks that a task wrote. If strip is 0: blocks of consecutive patches, beginning with `patch` of `primitive`.
+       *  Otherwise: blocks of one strip of that patch, numbered from 1. */
       struct List
       {
         size_t primitive;
