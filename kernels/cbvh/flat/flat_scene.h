@@ -55,7 +55,7 @@ namespace embree
 
     enum FlatGeometryType { FLAT_NONE, FLAT_SURFACE, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
 
-    /*! A geometry of the scene. Which members are valid depends on its type. */
+    /*! A geometry of the scene. Its type determines which members are valid. */
     struct FlatGeometry
     {
       FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
