@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compression settings and statistics of geometries. Like all of this folder, for the C functions in api/, and for the
- * interfaces that use libembree3 from outside, which include these headers without Embree's. */
+/* Compression settings and statistics of geometries. Like all headers of this folder, it does not include Embree's, so
+ * that interfaces outside of libembree3 (kernels/beside) can use it. The C functions in api/ also call it. */
 
 #include "../base/surface_statistics.h"
 #include "../state/settings.h"
