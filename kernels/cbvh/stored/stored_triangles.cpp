@@ -110,7 +110,6 @@ namespace embree
         }
       };
 
-      /*! Calls closure(x,y) for each quad of a block, row by row. */
       template<typename Closure>
       void forEachQuad (const VertHeader* block, const Closure& closure)
       {
