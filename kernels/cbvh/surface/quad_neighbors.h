@@ -81,7 +81,6 @@ namespace embree
 
     static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
 
-    /*! True if all corners are vertices of the mesh. */
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
     /*! True if quads can be neighbors: they have the same form, or with formsDiffer the same number of triangles. */

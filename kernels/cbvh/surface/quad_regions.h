@@ -23,7 +23,6 @@ namespace embree
 {
   inline namespace CBVH_ISA
   {
-    /*! The quads of a quad mesh. */
     struct QuadsOfMesh
     {
       const QuadMesh* mesh;
@@ -155,8 +154,8 @@ namespace embree
 
     bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
 
-    /*! Estimated bytes of the regions as grids, with their share of the tree. Ignores
-     *  tables of numbers without a pattern. */
+    /*! Estimated bytes of the regions as grids, with their share of the tree. Ignores tables of numbers
+     *  without a pattern. */
     size_t bytesOfBlocks () const;
 
     /*! Same for a mesh with one time step, whose regions are stored in mesh blocks if these need fewer bytes. */
@@ -169,7 +168,6 @@ namespace embree
     /*! True if isSmallerInMeshBlocks() depends on `tables`. */
     static bool dependsOnNumbers (const Region& region);
 
-    /*! Number of quads in a range of regions. */
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
     /*! Finds the regions of a mesh. Never null; without regions if a sample shows that the mesh is not regular. Uses

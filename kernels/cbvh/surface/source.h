@@ -89,7 +89,6 @@ namespace embree
   {
     static const unsigned minGridSide = 4; //!< minimum quads per side of a mesh's grids; other primitives are loose
 
-    /*! The members that all patches have. */
     struct SurfacePatch
     {
       uint32_t surface;     //!< see surface_ids.h

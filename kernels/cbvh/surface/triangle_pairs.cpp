@@ -296,7 +296,6 @@ namespace embree
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles at these edges. */
       void pairBy (const Edges& edges)
       {
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
