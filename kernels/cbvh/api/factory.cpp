@@ -24,6 +24,8 @@ namespace embree
 
   namespace
   {
+    /*! Builders and intersectors, each compiled for the instruction set (ISA) that the device selects, like those of
+     *  Embree's BVH4Factory. */
     struct Symbols
     {
       DEFINE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
@@ -108,6 +110,7 @@ namespace embree
     return false;
   }
 
+  /*! At verbosity 1, prints the settings of each compressed geometry. */
   static void reportCompression (Scene* scene, bool moves)
   {
     if (!scene->device->verbosity(1)) return;

@@ -3,6 +3,9 @@
 
 #pragma once
 
+/* Creates the acceleration structures for the compressed surfaces of a scene. Embree's Device and Scene call these
+ * functions (kernels/upstream/patches). building/builder.cpp fills the structures. */
+
 #include "../embree/scene.h"
 #include "../stored/report.h"
 
@@ -10,7 +13,8 @@ namespace embree
 {
   class Scene;
 
-  /*! Case-insensitive; for example "cbvh", "cbvh.vert" or "cvert". */
+  /*! True if a value of the device's key subdiv_accel selects compression, for example "cbvh", "cbvh.vert" or "cvert".
+   *  Ignores case. */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
   /*! True if a scene that keeps its accelerators needs new ones: it got its first compressed surface, or lost its
@@ -24,9 +28,10 @@ namespace embree
    *  per thread, and any thread may have run the build. */
   void reportBuildErrors (Scene* scene);
 
-  /*! For all static subdivision surfaces of a scene; null if none is compressed. The caller owns the result. */
+  /*! Returns the structure for the static compressed geometries of a scene and for all its other static subdivision
+   *  surfaces. Returns null if none is compressed. The caller owns the result, which is not built yet. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Same for moving surfaces. */
+  /*! Same for the moving compressed geometries only. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

@@ -1,6 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The commit of a geometry that can be compressed. Embree's commit functions call beginCommit() before they read the
+ * input, and endCommit() afterwards (state/compressible_geometry.h). beginCommit() checks buffers and decides whether
+ * the geometry is compressed. The next commit of a scene builds the blocks (building/builder.cpp). If the geometry
+ * releases its input, endCommit() builds them at once. */
+
 #include "interpolation.h"
 #include "../base/environment.h"
 #include "../stored/surface_blocks.h"
@@ -25,7 +30,8 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Like the commit of a scene: denormals are zero, and tasks are isolated from the application's. */
+    /*! Runs a closure like the commit of a scene. Denormals are zero (FTZ, DAZ), so that vertices do not depend on
+     *  which commit builds them. Canceling the application's tasks does not cancel the closure's. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -48,8 +54,8 @@ namespace embree
 
   namespace
   {
-    /*! Marks a geometry while its commit builds blocks. Callbacks of the application run meanwhile; if they committed
-     *  the geometry, they would replace input that is being read. */
+    /*! Marks a geometry while its commit builds blocks. The build calls the application's displacement and progress
+     *  functions. If they committed the same geometry, they would replace input that is being read. */
     class Building
     {
     public:
@@ -85,6 +91,7 @@ namespace embree
       const Geometry* const geometry;
     };
 
+    /*! True if geometries of a type that have no setting of their own inherit the compression of the device. */
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
@@ -150,7 +157,7 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Embree's kernels handle smaller meshes. */
+    /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need about 20 KiB for them. */
     const size_t fewPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
@@ -161,7 +168,8 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry if it requests compression (asks) and rejectionReason is null. Prints no empty reason. */
+    /*! Decides that a geometry is compressed if it requests compression (asks) and rejectionReason is null. The reason
+     *  completes "not compressed: 12 quads that ..."; it is not printed if empty. primitives: their name, plural. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* rejectionReason, const char* primitives)
     {
       geometry->setCompressed(asks && !rejectionReason);
@@ -171,7 +179,8 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! For geometries that release their input. Returns true if the input must be released now. */
+    /*! Builds the blocks of a geometry that releases its input, which a later commit of a scene could not read. Returns
+     *  true if it built them: the caller must then release the input. */
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
@@ -216,8 +225,8 @@ namespace embree
     return true;
   }
 
-  /*! Programs do not expect a geometry commit to fail (base/unmonitored_memory.h). If the heap is exhausted, the next
-   *  commit of the scene reports it. */
+  /*! Finds the grids of a mesh. Does not throw if memory runs out, because programs do not expect the commit of a
+   *  geometry to fail (base/unmonitored_memory.h). The next commit of the scene reports the error (partsOf). */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
@@ -260,7 +269,8 @@ namespace embree
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Keeps vertex attributes, and the grids or indices that interpolate them. */
+  /*! For grids, quads and triangles. Releases the vertices, and the primitives unless rtcInterpolate needs them for
+   *  vertex attributes. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
@@ -274,7 +284,7 @@ namespace embree
   void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
   void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
 
-  /*! Keeps vertex attributes, and the topology that interpolates them. */
+  /*! Keeps vertex attributes, and the topology that rtcInterpolate needs for them. */
   void releaseInput (SubdivMesh* mesh)
   {
     const bool hasAttributes = !mesh->vertexAttribs.empty();

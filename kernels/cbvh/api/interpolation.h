@@ -3,16 +3,18 @@
 
 #pragma once
 
+/* Checks the arguments of rtcInterpolate and rtcInterpolateN for subdivision surfaces. Embree does not check them. */
+
 #include "../embree/scene.h"
 
 namespace embree
 {
-  /*! Marks the faces that Embree's patches cannot hold (isUnsupportedAtVertex), in each topology. Requires
-   *  half-edges. */
+  /*! Marks the faces whose neighborhood exceeds the fixed-size arrays of Embree's patches (isUnsupportedAtVertex), in
+   *  each topology. Requires half-edges. */
   void markUnsupportedFaces (SubdivMesh* mesh);
 
-  /*! Throw if a face does not exist, has no edges, or is marked: Embree would access memory past its patch. As
-   *  thread-safe as rtcInterpolate. */
+  /*! Throw rtcore_error if a face does not exist, has no edges, or is marked, because Embree would access memory past
+   *  the end of its arrays. Also throw if (u,v) is in no sub-patch of the face. As thread-safe as rtcInterpolate. */
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args);
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args);
 }

@@ -1,6 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The C functions of include/embree3/rtcore_compressed_clusters.h: they check pointers, convert structs, and turn
+ * exceptions of core/stored_surface.h into errors of the device. */
+
 #define RTC_EXPORT_API
 
 #include "structs.h"
@@ -30,7 +33,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   if (report) core::requireStruct(report);
-  int value; // the application's value may be outside of the enumeration
+  int value; // memcpy, because a value outside of the enumeration would be undefined behavior
   memcpy(&value,&format,sizeof(value));
   cbvh::ClusterReport sums;
   auto finish = [&] { if (report) core::writeStruct(report,cbvh::reportAs<RTCCompressedClusterReport>(sums)); };

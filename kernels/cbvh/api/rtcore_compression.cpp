@@ -1,6 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The C functions of include/embree3/rtcore_compression.h: they check pointers, convert structs, and turn exceptions of
+ * core/compression.h into errors of the device. */
+
 #define RTC_EXPORT_API
 
 #include "structs.h"
@@ -16,7 +19,7 @@ namespace
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown bits of RTCCompressionFlags in flags "
                      + std::to_string(args.flags));
     CompressionSettings settings;
-    // the application's value may be outside of the enumeration
+    // memcpy, because a value outside of the enumeration would be undefined behavior
     memcpy(&settings.compression,&args.compression,sizeof(settings.compression));
     settings.frameLevel = args.frameLevel;
     settings.maxError = args.maxError;
@@ -38,7 +41,7 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
   require(device,"device");
-  int property; // the application's value may be outside of the enumeration
+  int property; // memcpy, because a value outside of the enumeration would be undefined behavior
   memcpy(&property,&prop,sizeof(property));
   switch (property)
   {

@@ -1,6 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The C functions of include/embree3/rtcore_dicing.h: they check pointers, convert structs, and turn exceptions of
+ * core/dicing.h into errors of the device. */
+
 #define RTC_EXPORT_API
 
 #include "structs.h"

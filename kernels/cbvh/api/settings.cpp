@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Parses the compression settings of the device string and of EMBREE_CBVH (state/settings.h). */
+
 #include "../embree/scene.h"
 #include "../core/device_string.h"
 #include "factory.h"
@@ -56,6 +58,7 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
+  /*! Keys in EMBREE_CBVH. In a device string they begin with "cbvh_". */
   static const char* const keys[] = {
     "frame_level","max_error","fallback_faces","grids","quads","triangles","release_input",
     "exact_faces" }; // former name of fallback_faces
@@ -64,7 +67,9 @@ namespace embree
     return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
   }
 
-  /*! Unknown keys of a device string, until verify() is called. */
+  /*! Keys of the device string, with their values, that neither Embree nor this library knows. parse() collects them,
+   *  verify() reports them, and parseEnvironment(), which a new device calls first, clears them. Per thread, because a
+   *  device is created by one thread. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
   /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
@@ -110,6 +115,7 @@ namespace embree
     return value == "1";
   }
 
+  /*! key: one of `keys`. name: the key as the user wrote it, for messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -122,6 +128,7 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
+  /*! Returns a token of Embree's lexer as text. Tokens throw if they are read as another type than their own. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
@@ -129,7 +136,7 @@ namespace embree
     try {
       std::ostringstream s;
       s.imbue(std::locale::classic());
-      s.precision(9);
+      s.precision(9); // enough for every float to be read back unchanged
       s << token.Float();
       return s.str();
     } catch (const std::exception&) {}

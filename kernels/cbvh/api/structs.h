@@ -3,6 +3,9 @@
 
 #pragma once
 
+/* The public structs of include/embree3 that may grow (core/struct_size.h), and their conversion from internal structs.
+ * For the files rtcore_*.cpp of this folder. */
+
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
 #include "../../../include/embree3/rtcore_compressed_clusters.h"
@@ -15,6 +18,7 @@ namespace embree
 {
   namespace core
   {
+    /* The second argument never changes: the last member in the first version that has the struct. */
     CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
     CBVH_GROWING_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_GROWING_STRUCT(RTCCompressedFileGeometryInfo,bytes);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Memory of a surface's blocks and of the tree nodes above them. It grows during the build. The destructor releases
- * all of it. */
+/* Memory of a surface's blocks and of the tree nodes above them. It grows during the build, from all threads of the
+ * build. The destructor frees all of it; single blocks are never freed. */
 
 #include "../embree/scene.h"
 
@@ -28,7 +28,8 @@ namespace embree
       /*! Embree's allocator, for builders that require it. Null after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
-      /*! Allocates with the alignment of blocks. Has the signature of Embree's allocators. */
+      /*! Allocates with the alignment of blocks; the second argument, an alignment, is ignored. Has the signature of
+       *  Embree's allocators. Thread-safe. Throws if out of memory, or if the application's memory monitor refuses. */
       void* operator() (size_t bytes, size_t = 0);
 
       /*! Must be called after the last allocation: detaches the threads from Embree's allocator. */

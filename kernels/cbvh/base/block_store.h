@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Collects the blocks of one task in a buffer. flush() copies them to the memory of the surface, and lists a primitive
- * of the top-level tree for each. */
+/* Collects the blocks of one task of a build in a buffer. flush() copies them to the memory of the surface, and lists a
+ * primitive for each: a box with a reference, from which the top-level tree is built. For one thread. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -18,7 +18,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Rounds outwards to floats. */
+    /*! Rounds outwards to floats, so that the box still contains the bounds. */
     inline BBox3fa toBBox (const cbvh::WorldBounds& b)
     {
       auto below = [](double x) {
@@ -34,7 +34,8 @@ namespace embree
     public:
       cbvh::WorldBounds hitBounds;  //!< bounds of everything that rays can hit
 
-      /*! memory: of the surface; null for a trial whose blocks are discarded. flush() must not be called then. */
+      /*! memory: memory of the surface. Null for a trial whose blocks are discarded; flush() must not be called
+       *  then. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
@@ -82,7 +83,7 @@ namespace embree
         used = 0;
       }
 
-      /*! Adds a primitive. reference: a leaf of the top-level tree. */
+      /*! Adds a primitive that is not in the buffer. reference: a leaf of the top-level tree (BVH4::NodeRef). */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;
@@ -90,11 +91,12 @@ namespace embree
       mvector<PrimRef> prims;
       mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-      static const size_t fullPieceBytes = 1 << 14; //!< flushIfFull keeps fewer buffered bytes
+      static const size_t fullPieceBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
 
     private:
-      /*! A piece has fewer bytes, not counting its last block. The allocator takes pieces from chunks of up to 2 MiB:
-       *  larger pieces would leave much of a chunk unused, or not fit. */
+      /*! A piece is one allocation of flush(). It has fewer bytes than this, not counting its last block. Embree's
+       *  allocator cuts pieces from chunks of up to 2 MiB: larger pieces would leave much of a chunk unused, or not
+       *  fit. */
       static const size_t maxPieceBytes = 1 << 20;
 
       struct Waiting
@@ -104,8 +106,8 @@ namespace embree
         uint32_t type;
         size_t readPast;
       };
-      mvector<uint8_t> bytes; //!< buffer
-      size_t used = 0;        //!< bytes of the buffer
+      mvector<uint8_t> bytes; //!< the buffer, which never shrinks
+      size_t used = 0;        //!< bytes of the buffer that contain blocks
       std::vector<Waiting> waiting; //!< buffered blocks
     };
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a task of a build, merged at the end. */
+/* Statistics that a task of a build collects. BuildResults (building/build_results.h) merges the tasks of a surface. */
 
 #include "codec.h"
 #include "surface_statistics.h"
@@ -41,6 +41,8 @@ namespace embree
         gap2 = std::max(gap2,distance2(own,shared));
       }
 
+      /*! Adds the statistics of another task of the same surface, and updates sums.maxVertexDeviation and
+       *  sums.maxBorderMismatch, which tasks leave at 0. */
       void merge (const BuildStatistics& other)
       {
         add(other);
@@ -50,6 +52,7 @@ namespace embree
         sums.maxBorderMismatch = float(std::sqrt(gap2));
       }
 
+      /*! Adds the final statistics of a surface. */
       void add (const SurfaceStatistics& other)
       {
         cbvh::add(sums,other.sums);
@@ -72,7 +75,7 @@ namespace embree
         return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      double deviation2 = 0, gap2 = 0;
+      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderMismatch; merge() takes the roots
     };
   }}
 }

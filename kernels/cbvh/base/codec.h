@@ -23,6 +23,7 @@ namespace embree
   {
     using namespace cvert;
 
+    /* The overloads for vectors (vectors.h) are in namespace embree. They would hide the names of a using-directive. */
     using cvert::lesser;
     using cvert::greater;
     using cvert::magnitude;

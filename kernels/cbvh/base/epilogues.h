@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* Reports hits through Embree's epilogues, so that masks and filters work as for other geometries. */
+/* Reports hits through Embree's epilogues, the functors that apply masks and filter functions and then store a hit.
+ * Compressed surfaces thus support them like all other geometries. Used by the intersectors of blocks (vert,
+ * framed). */
 
 #include "../embree/traversal.h"
 
@@ -13,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit in the form that Embree's epilogues of single rays require. */
+      /*! A hit in the form that Embree's epilogues of single rays require. Ng: need not be normalized. */
       struct SurfaceHit1
       {
         float u, v, t;

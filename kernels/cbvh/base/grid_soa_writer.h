@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Writes GridSOA, the grids of GRID, for uncompressed patches. */
+/* Writes patches that are not compressed as GridSOA, the vertex grids of Embree's GRID, into the same tree as
+ * blocks. */
 
 #include "../embree/scene.h"
 #include "block_store.h"
@@ -16,7 +17,7 @@ namespace embree
     class GridSOAWriter
     {
     public:
-      static const unsigned gridQuads = 8;
+      static const unsigned gridQuads = 8; //!< quads per side of a full grid, as in Embree's bvh_builder_subdiv.cpp
 
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : mesh(mesh), store(store), statistics(statistics) {}
@@ -42,7 +43,7 @@ namespace embree
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Bytes of a patch's grids in GRID, and of their share of the nodes above, which have four children. */
+      /*! Bytes of a patch's grids in GRID, with their share of the nodes above. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;
@@ -57,6 +58,7 @@ namespace embree
       }
 
     private:
+      /*! Computes the size of each of the 64 sizes of grids once. Threads may compute the same entry. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
         static std::atomic<uint32_t> known[gridQuads+1][gridQuads+1];
@@ -67,6 +69,7 @@ namespace embree
 
       static size_t countBytes (unsigned x, unsigned y)
       {
+        // a third of a node: nodes with four children are a third as many as their leaves
         return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)
           + 4*sizeof(float)*size_t(x+1)*size_t(y+1) + sizeof(BVH4::NodeRef) + sizeof(BVH4::AABBNode)/3;
       }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Operations that Embree's vectors lack, and macros that report which intrinsics are available. Embree maps the
- * intrinsics of SSE4.1 to NEON (common/simd/arm). */
+/* Operations that Embree's vectors lack, and macros that report which intrinsics are available. For decoders and
+ * intersectors of blocks. Embree maps the intrinsics of SSE4.1 to NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 
@@ -39,7 +39,7 @@ namespace embree
 #endif
   }
 
-  /*! Bit size*j + i of the result is lane i of masks[j]. */
+  /*! Converts masks of lanes to bits: bit Mask::size*j + i of the result is lane i of masks[j]. */
   template<typename Mask, int n>
   __forceinline uint32_t lanesOf (const Mask (&masks)[n])
   {

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Kinds of blocks. A kind's number is stored in headers of blocks with frames (framed/block.h), and determines
- * references (reference.h) and values of RTCCompression.
+/* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), and cVERT.
+ * A kind's number is stored in headers of blocks with frames (framed/block.h), and determines references (reference.h)
+ * and values of RTCCompression. Compiled as C++ and GLSL.
  *
  * To remove a kind, remove its number, its rows here, its folder, and its rows in code that selects by kind:
  * block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. Other numbers must not change:
@@ -28,6 +29,7 @@ CVERT_CONSTANT uint32_t maxKinds = 18u;
 /*! Kinds with frames must be less than this: headers have 4 bits for them. */
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
+/*! Bit mask of the kinds with frames. */
 CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
 /*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
@@ -37,19 +39,19 @@ struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf in large enough blocks
   uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
-  uint32_t groupBytes;    //!< per group of 2 x 2 leaves, which is one node word of the last level; 0 for no groups
-  uint32_t vertexBytes;
+  uint32_t groupBytes;    //!< data of 2 x 2 leaves, the children of a node of the last level; 0 if leaves have none
+  uint32_t vertexBytes;   //!< per stored vertex; 0 if blocks store no vertices
   uint32_t padding;       //!< bytes that decoders read after the last leaf
 };
 
-/*! Indexed by kind. */
+/*! Formats of the kinds with frames, indexed by kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
   /* cGRID: leaves are 2 x 2 quads, as in GRID; vector loads read 3 floats past the last row */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
-  /* cLEAF: words of the last level are groups of 2 x 2 leaves with heights; a single quad is split into four */
+  /* cLEAF: 2 x 2 leaves share 9 heights of 7 bits, 8 bytes; a single quad is split into four leaves */
   { 0u, 1u, 8u, 0u, 0u }
 };
 
@@ -103,6 +105,7 @@ inline const KindDescription& describe (Kind kind)
   return kindDescriptions[row];
 }
 
+/*! compression: a value of RTCCompression. Returns false if this library has no such kind. */
 inline bool findKind (int compression, Kind& kind)
 {
   for (const KindDescription& description : kindDescriptions)
@@ -110,7 +113,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Returns cVERT for kinds that this library was built without; it then loads only files of cVERT blocks. */
+/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Such a library
+ *  loads only geometries whose blocks are all cVERT, as fallback faces are. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

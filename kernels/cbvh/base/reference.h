@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* References to children of flat nodes: 5 bits of type, 27 bits of index. Blocks have at least 64 bytes, so indices
- * support at least 8 GiB of blocks. */
+/* References to children of flat nodes (flat/flat_scene.h), for traversal on a GPU: 5 bits of type, 27 bits of index.
+ * Compiled as C++ and GLSL. Blocks have at least 64 bytes, so indices support at least 8 GiB of blocks. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H
@@ -32,6 +32,7 @@ CBVH_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> 
 CBVH_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
 CBVH_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
 
+/* A run is a leaf of consecutive triangles. Its type contains their count. */
 CVERT_CONSTANT uint32_t maxTriangleRun = 4u;
 CBVH_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
   return makeReference(triangleReference + count-1u,first);

@@ -7,7 +7,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Bounds of a block at a time step. Empty if the block has no finite vertex then. */
+    /*! Bounds of a moving block at one time step. Empty if the block has no finite vertex at that step. */
     struct StepBox
     {
       float lower[3], upper[3];

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Surface numbers. Scenes share the blocks of a geometry, but a geometry may have another ID in each scene. Blocks
- * therefore store a number that is unique in the process, and each scene maps numbers to the IDs of its geometries.
+/* Surface numbers. Scenes share the blocks of a geometry, but a geometry may have a different ID in each scene. Blocks
+ * therefore store a number that is unique in the process, and each scene maps numbers to the IDs of its geometries. An
+ * intersector looks up the ID when it reports a hit (epilogues.h).
  *
  * If Embree traces the static surfaces of a scene, their grids store IDs instead of numbers. Numbers of moving surfaces
  * have an additional bit, movingSurface, which no ID has. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of built surfaces, shared by code of all ISAs. */
+/* Statistics of built surfaces. Outside of CBVH_ISA, because code of all instruction sets (ISAs) shares them. */
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! See RTCCompressionStatistics. Bytes and world units. */
+    /*! RTCCompressionStatistics without structSize; the public header defines the members. Floats are world units. */
     struct CompressionStatistics
     {
       size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
@@ -23,9 +23,9 @@ namespace embree
       size_t uncompressedBytes = 0;    //!< grids of numUncompressedQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< quads in blocks
-      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by GRID
+      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by Embree's GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
-      size_t numAffineBlocks = 0;      //!< blocks whose projective frame became affine
+      size_t numAffineBlocks = 0;      //!< with frames: the projective frame was ill-conditioned
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numFallbackQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
@@ -82,15 +82,16 @@ namespace embree
           [](float& most, float value) { most = std::max(most,value); });
     }
 
+    /*! Statistics of one surface. Members other than sums are for messages, and for the line about a commit. */
     struct SurfaceStatistics
     {
       CompressionStatistics sums;
-      size_t highRateQuads = 0;    //!< traced by GRID because of edge rates
+      size_t highRateQuads = 0;    //!< traced by GRID because their edge rates are too high
       size_t refusedQuads = 0;     //!< stored in full precision, because their block has no valid frame
       size_t refusedInGrid = 0;    //!< part of refusedQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
-      size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels
+      size_t bytesInEmbree = 0;    //!< estimated bytes that Embree's own kernels would need
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };

@@ -3,13 +3,16 @@
 
 #pragma once
 
+/* Parallel loops over the primitives of a geometry, for builds. */
+
 #include "../embree/scene.h"
 
 namespace embree
 {
   namespace isa
   {
-    /*! Quads between two progress reports of a task: often enough to cancel, too rarely to cost time. */
+    /*! Quads between two progress reports of a task: few enough to cancel quickly, and so many that the reports cost no
+     *  measurable time. */
     static const size_t progressQuads = 1 << 15;
 
     /*! Like parallel_for, but runs a single range without tasks: scenes may have 100,000 geometries of one face. */
@@ -20,6 +23,7 @@ namespace embree
       else if (n) closure(range<size_t>(0,n));
     }
 
+    /*! Same for parallel_reduce. */
     template<typename Value, typename Closure, typename Sum>
     inline Value reduceRanges (size_t n, size_t perTask, const Value& none, const Closure& closure, const Sum& sum)
     {

@@ -17,18 +17,21 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Bits of a mask. */
+    /*! Bits of a mask, one per type of cache. A mesh block is a block of indexed triangles
+     *  (cvert/format/mesh_block.h). */
     enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
-    /*! caches: mask of ThreadCaches. */
+    /*! Returns the size of one thread's caches. caches: mask of ThreadCaches. */
     size_t threadCacheBytes (unsigned caches);
 
-    /*! Call it after blocks are built and before they are traced. */
+    /*! Call it after blocks are built and before they are traced. Each thread clears its caches when it next uses
+     *  them. */
     void invalidateThreadCaches ();
 
-    extern std::atomic<unsigned> cacheGeneration;
+    extern std::atomic<unsigned> cacheGeneration; //!< incremented by invalidateThreadCaches()
 
-    /*! Must be reduced to the number of entries. */
+    /*! Callers must reduce the result to the number of entries. 0x9E3779B1 is 2^32 divided by the golden ratio, the
+     *  usual multiplier of multiplicative hashing (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Like hashOfBlock, but consecutive `bytes` bytes of memory have consecutive values, so that neighboring blocks
@@ -43,7 +46,7 @@ namespace embree
     extern const size_t largeCaches;
 
     /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries are never touched, and
-     *  occupy no memory. numAfter: number of entries after each slot. */
+     *  occupy no memory. numAfter: entries after the last slot, for users that access several entries per slot. */
     template<typename Entry, size_t count, size_t numAfter = 0>
     struct CacheEntries
     {
@@ -74,6 +77,7 @@ namespace embree
 
       unsigned generation; //!< value of cacheGeneration
 
+      /* initial-exec: the default model of shared libraries calls a function for each access */
       static __thread ThreadCache* current __attribute__((tls_model("initial-exec")));
     };
   }

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Memory that the commit of a geometry allocates. Allocating it does not call the application's memory monitor, which
- * could refuse it: programs do not expect the commit of a geometry to fail. The error would have to wait for the next
- * commit of the scene, and would be lost if the application detached the geometry before. The commit of the scene
- * therefore reports this memory (ReportedMemory), and fails if the application refuses it. */
+/* Memory that the commit of a geometry allocates. Allocating it does not call the application's memory monitor
+ * (rtcSetDeviceMemoryMonitorFunction), which could refuse it: programs do not expect the commit of a geometry to fail.
+ * The commit of the scene reports this memory instead (ReportedMemory), and fails if the application refuses it. */
 
 #include "../embree/scene.h"
 

@@ -20,6 +20,7 @@ namespace embree
   template<int N>
   __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a,
                                        const vfloat_impl<N>& b) { return select(condition,a,b); }
+  /*! a b, rounded: the empty assembly prevents the compiler from fusing the product with a later sum. */
   template<int N> __forceinline vfloat_impl<N> product (const vfloat_impl<N>& a, const vfloat_impl<N>& b)
   {
     vfloat_impl<N> p = a*b;
@@ -37,7 +38,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! In floats. */
+      /*! Lanes of the widest vectors of floats that the instruction set has. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)
@@ -49,7 +50,8 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! Components of normal magnitude need no clamping, which leaves only the division's latency. */
+      /*! Reciprocals of a ray's direction, as cvert's directionReciprocal. If all components are between 1e-9 and 1e9,
+       *  they need no clamping, and only the division remains. The fourth lane is ignored. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);

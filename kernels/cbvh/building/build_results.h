@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Collects the blocks and statistics of all tasks of a build. Tasks may call add() concurrently. */
+/* Collects the blocks and statistics of all tasks that build a surface. Tasks may call add() concurrently. collect()
+ * puts the blocks into an order that does not depend on the timing of threads. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -16,7 +17,8 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks of primitives, or of a strip of a patch. */
+      /*! Blocks that a task wrote. If strip is 0: blocks of consecutive patches, beginning with `patch` of `primitive`.
+       *  Otherwise: blocks of one strip of that patch, numbered from 1. */
       struct List
       {
         size_t primitive;
@@ -34,6 +36,7 @@ namespace embree
       cbvh::WorldBounds hitBounds;
       MutexSys mutex;
 
+      /*! Flushes a store and adds its blocks. Arguments: see List. The store may be used again. */
       void add (size_t primitive, unsigned patch, unsigned strip, BlockStore& store)
       {
         store.flush();
@@ -46,6 +49,7 @@ namespace embree
         if (list) lists.push_back(std::move(list));
       }
 
+      /*! Copies to a vector without unused capacity. `from` keeps its capacity for the task's next blocks. */
       template<typename T>
       static mvector<T> moveAll (Device* device, mvector<T>& from)
       {
@@ -62,7 +66,7 @@ namespace embree
         statistics.merge(taskStatistics);
       }
 
-      /*! Concatenates the lists, ordered by primitive. */
+      /*! Concatenates the lists in the order of primitives, patches and strips, and frees them. */
       void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
         std::sort(lists.begin(),lists.end(),

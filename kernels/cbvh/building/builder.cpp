@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds a scene's still or moving compressed surfaces: blocks of changed geometries (surface_builder.h), and a tree
- * over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
+/* Builds the static or the moving surfaces of a scene when the scene is committed. First builds the blocks of
+ * geometries that changed (surface_builder.h), then a tree over the parts of all static surfaces, or over all moving
+ * blocks (motion_tree.h). Compiled for the lowest ISA and AVX, like Embree's builder of subdivision surfaces. */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -57,7 +58,7 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> buildsUnderTree; //!< builds of the tree's blocks; empty without a tree
+      std::vector<uint64_t> buildsUnderTree; //!< SurfaceBlocks::build of each surface in the tree; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -72,7 +73,7 @@ namespace embree
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
             blocks(cbvh::blocksOf(geometry)) {}
 
-        /*! true for grids, quads and triangles */
+        /*! True for grids, quads and triangles, whose vertices the application computed. */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
       };
 
@@ -132,7 +133,7 @@ namespace embree
         return surfaces;
       }
 
-      /*! 0 for surfaces whose blocks must be built */
+      /*! Returns SurfaceBlocks::build of each surface, or 0 if its blocks must be built. */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
@@ -140,8 +141,8 @@ namespace embree
         return builds;
       }
 
-      /*! Builds small surfaces in parallel. Large ones follow one by one, because each uses all threads and temporary
-       *  memory. */
+      /*! Builds the blocks that are missing: first small surfaces, several per task, then medium ones in parallel.
+       *  Large ones follow one by one, because each uses all threads and much temporary memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -168,7 +169,7 @@ namespace embree
         builder.reset();
       }
 
-      /*! Mask of the caches that rays through the surfaces use. */
+      /*! Returns the mask of the thread caches (base/thread_cache.h) that rays through the surfaces use. */
       unsigned cachesOf (const std::vector<Surface>& surfaces) const
       {
         unsigned caches = 0;
@@ -191,7 +192,7 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that were left out, unless the previous commit did. before: builds of that commit's blocks */
+      /*! Reports faces that were left out, unless the previous commit did. before: buildsUnderTree of that commit. */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
@@ -199,7 +200,8 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Returns the number of nodes outside of surfaces. */
+      /*! Builds the tree over the parts of static surfaces. A scene with one surface uses the surface's own tree.
+       *  Returns the number of nodes that the scene owns. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
@@ -225,7 +227,7 @@ namespace embree
         return nodes;
       }
 
-      /*! Returns the size of the nodes in bytes. */
+      /*! Builds the tree over moving blocks. Returns the size of its nodes in bytes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -262,7 +264,7 @@ namespace embree
         std::cerr << line.text(treeBytes,report->statistics) << std::endl;
       }
 
-      /*! Reports what is stored differently than requested. */
+      /*! Prints the numbers of faces, quads and blocks that are not stored as requested. */
       void reportAtVerbosity1 (const Surface& surface) const
       {
         if (!scene->device->verbosity(1)) return;
@@ -324,6 +326,8 @@ namespace embree
       return new CompressedBuilder((BVH4*)bvh,scene,report,true);
     }
 
+    /*! Builds the blocks of one geometry outside of a scene, for geometries that release their input when they are
+     *  committed (api/geometry_commit.cpp). */
     void buildBlocksOfGeometry (CompressibleGeometry* geometry)
     {
       const CompressionSettings& settings = geometry->compression;

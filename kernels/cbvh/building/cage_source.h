@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Faces of a cage as a source (surface/source.h). Patches become blocks of the requested kind or cVERT. They become
- * Embree's grids if blocks do not support their edge rates, or if the geometry is not compressed. */
+/* The faces of a cage (a subdivision surface's control mesh) as a source of patches (surface/source.h). Patches become
+ * blocks of the requested kind or cVERT. They become Embree's grids if blocks do not support their edge rates, or if
+ * the geometry is not compressed. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -33,7 +34,7 @@ namespace embree
 
       size_t size () const { return mesh->size(); }
 
-      /*! Exact unless an error bound selects frame levels or exact storage. */
+      /*! The result is exact unless a bound on the error selects frame levels, or faces fall back to cVERT. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -74,7 +75,8 @@ namespace embree
           });
       }
 
-      /*! Faces whose own vertices are not finite have no surface; here a displacement function returned such values. */
+      /*! A face whose control vertices are not finite has no surface, and is no error, as in Embree. If quads are
+       *  invalid here, the displacement function returned values that are not finite. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
@@ -92,7 +94,7 @@ namespace embree
             framed(plan,source.mesh,store,statistics),
             vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
 
-        /*! False if the patch must be written in strips. */
+        /*! See source.h. Returns false if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
@@ -138,8 +140,8 @@ namespace embree
         return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! Chooses the lowest levels that keep the bound. Called once, because displacement functions may return other
-       *  values. */
+      /*! Chooses the lowest frame level per face that keeps max_error, by encoding its blocks on trial. Called once per
+       *  build, because displacement functions may return other values the next time. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {

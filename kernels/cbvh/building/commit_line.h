@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A line about the commit of a scene, for users who cannot change the program: what is compressed, what is not and why,
- * and the memory of each. */
+/* The line that the commit of a scene prints at verbosity 1, or if EMBREE_CBVH contains "verbose". For users who cannot
+ * change the program: it names what is compressed, what is not and why, and the memory of each. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
@@ -85,7 +85,7 @@ namespace embree
         }
       }
 
-      /*! such as "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT" */
+      /*! Returns the compressed geometries, such as "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT". */
       std::string geometries () const
       {
         std::string text;
@@ -103,7 +103,7 @@ namespace embree
       cbvh::BuildStatistics all;                                         //!< sum over `compressed`
       /*! Number of uncompressed primitives, by type and reason. */
       std::map<std::pair<std::string,std::string>,size_t> left;
-      size_t notRequested = 0;                                           //!< number of subdivision surfaces
+      size_t notRequested = 0;                                           //!< subdivision surfaces without a request
     };
   }
 }

@@ -7,6 +7,7 @@ namespace embree
 {
   namespace
   {
+    /*! Adds up bytes, counting each buffer once. Buffers that the application allocated (shared) do not count. */
     class InputBytes
     {
     public:

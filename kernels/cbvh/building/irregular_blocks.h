@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Builds mesh blocks of the triangles that are in no grid. All threads divide the triangles into parts; a task clusters
- * and encodes each part. */
+/* Builds mesh blocks, which store indexed triangles (cvert/format/mesh_block.h), of the triangles that are in no grid.
+ * All threads first divide the triangles into parts in space. A task then clusters and encodes each part. */
 
 #include "../surface/mesh_parts.h"
 #include "../vert/moving_mesh_writer.h"
@@ -35,7 +35,8 @@ namespace embree
       }
       void release () { triangles.release(); }
 
-      /*! Adds results after all primitives of grids. numGrids: grids of the geometry */
+      /*! Adds blocks and statistics to `results`, ordered after the blocks of all grids. numGrids: number of the
+       *  geometry's grids. */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -64,7 +65,7 @@ namespace embree
           });
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
-        // two triangles count as a quad
+        // statistics count quads: two triangles count as one
         const bool areQuads = triangles.mesh.areHalvesOfQuads();
         const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
         statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numIrregularQuads = quads;
@@ -95,7 +96,8 @@ namespace embree
           });
       }
 
-      /*! Divides parts that are too large. False if there are none. */
+      /*! Halves each part that is too large for a task. Returns false if there is none. depth: number of previous
+       *  calls. */
       bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& parts)
       {
         std::vector<size_t> halves(parts.size(),0);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time, and splits of time. Boxes
- * are conservative in the floats that traversal computes (see Planes). */
+/* Tree over the moving blocks of a scene: Embree's BVH4 for motion blur, with boxes that are linear in time, and nodes
+ * that split the time range. Boxes contain the blocks also in the floats that traversal computes (see Planes). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -30,10 +30,10 @@ namespace embree
         unsigned segments;     //!< steps minus 1
       };
 
-      LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1
+      LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1, set by build()
       size_t bytes = 0;                  //!< size of the nodes
 
-      /*! progress() may throw. */
+      /*! Returns the root, allocated in `memory`. progress() may throw to cancel. */
       template<typename Progress>
       NodeRef build (Device* device, FastAllocator& memory, const mvector<Block>& blocks, const Progress& progress)
       {
@@ -83,6 +83,7 @@ namespace embree
       }
 
     private:
+      /*! Computes the bounds of a block in a range of times, for Embree's builder when it splits time. */
       struct Recalculate
       {
         const mvector<Block>& blocks;
@@ -108,7 +109,8 @@ namespace embree
         }
       };
 
-      /*! A plane of a block's boxes in a range of times, linear between knots. */
+      /*! One plane of a block's boxes in a range of times. It is linear between knots, which are the steps in the range
+       *  and its two ends. k: axis. */
       class Knots
       {
       public:
@@ -152,8 +154,9 @@ namespace embree
         const double first, last;
       };
 
-      /*! Boxes at the ends of a range of times. Linear interpolation between them contains the block's boxes whenever
-       *  it exists: each plane is a line from the first to the last knot, moved until no knot is outside. */
+      /*! Returns boxes at the ends of a range of times. Linear interpolation between them contains the block at all
+       *  times at which it exists: each plane is a line from the first to the last knot, moved until no knot is
+       *  outside. */
       static LBBox3fa linearBounds (const Block& block, const BBox1f& range)
       {
         const double n = double(block.segments), scale = n/(double(block.range.upper)-double(block.range.lower));
@@ -236,13 +239,14 @@ namespace embree
             }
             if (ref.isAABBNodeMB()) continue;
             BVH4::AABBNodeMB4D* const split = ref.getAABBNodeMB4D();
+            /* traversal visits a child at times lower_t <= t < upper_t, but a block also exists at its last step */
             split->lower_t[i] = child.dt.lower;
             split->upper_t[i] = endsAtTime(records[i],child.dt.upper) ? std::nextafter(child.dt.upper,2.0f)
               : child.dt.upper;
           }
         }
 
-        /*! True if a block ends at that time, when it still exists. Otherwise the next child begins there. */
+        /*! True if the last step of a block is at this time. Otherwise the next child begins there. */
         static bool endsAtTime (const BuildRecord& record, float time)
         {
           for (size_t i=record.prims.begin(); i!=record.prims.end(); i++)

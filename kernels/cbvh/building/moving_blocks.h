@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The moving blocks of a scene, and their boxes per time step. The first scene that traces a geometry takes the boxes
- * from the build of its blocks, and then frees them. Later scenes compute them again. */
+/* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. The first scene that traces a
+ * geometry uses the boxes that the build of its blocks computed, and then frees them. Later scenes decode the blocks to
+ * compute the boxes again. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -25,7 +26,7 @@ namespace embree
 
       void reserve (size_t numBlocks) { blocks.reserve(numBlocks); }
 
-      /*! progress() may throw to cancel. */
+      /*! Adds the blocks of a surface, unless rays cannot hit it. progress() may throw to cancel. */
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)
       {
@@ -62,7 +63,7 @@ namespace embree
         return motion.begin <= 1.0f && motion.end >= 0.0f;
       }
 
-      /*! Boxes of the blocks from `begin` on. */
+      /*! Computes the boxes of the blocks from `begin` to the last one. numBoxes: sum of their steps. */
       template<typename Progress>
       Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
       {
@@ -96,12 +97,13 @@ namespace embree
           : cbvh::motionOf((const cbvh::VertHeader*)block);
       }
 
+      /*! Decodes blocks to compute their boxes. Memory of one task, on the heap because it is large. */
       class alignas(64) Decoded
       {
         ALIGNED_CLASS_(64);
 
       public:
-        /*! boxes: one per step. Decodes two steps at a time. */
+        /*! boxes: output, one per step. */
         void bound (BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes)
         {
           size_t type;
@@ -136,6 +138,7 @@ namespace embree
           }
         }
 
+        /*! Decodes the two steps of every second segment, as traversal does. */
         void boundGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and Embree's binned SAH
- * BVH4 over them. A task encodes several primitives, or a strip of a large patch. Scenes build their trees over lower
- * parts of the BVH. */
+/* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and over them a BVH4 with
+ * Embree's builder, which bins by the surface area heuristic (SAH). A task encodes several primitives, or a strip of a
+ * large patch. A scene builds its tree over subtrees of these BVHs (stored/tree.h). */
 
 #include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
@@ -31,20 +31,23 @@ namespace embree
       /*! True if building uses all threads and much temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! progress(primitives): receives the number of primitives completed since the last call, or 0; may throw to end
-       *  the build. */
+      /*! Builds the blocks. Call it once. progress(primitives): receives the number of the geometry's primitives that
+       *  were completed since the last call, or 0. It is called by several threads, and may throw to cancel the
+       *  build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
-    /*! Bytes reserved per block: a cLEAF block of 16 x 16 quads, which most cVERT blocks do not reach. */
+    /*! Bytes reserved per block. A cLEAF block of 16 x 16 quads has a header of 76 bytes, 85 nodes of 4 bytes and 64
+     *  groups of 8 bytes. Most cVERT blocks are smaller. */
     static const size_t expectedBlockBytes = 928;
 
-    /*! About the size of a block of 256 triangles. */
+    /*! Bytes reserved per mesh block, about the size of a full one, with 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
-    /*! Less than the blocks of most parts of a mesh (irregular_blocks.h). */
+    /*! Bytes of a small piece of memory, less than the blocks of most parts of a mesh need (irregular_blocks.h). */
     static const size_t smallPieceBytes = 2048;
 
+    /*! Builds the primitives of a source, and the loose primitives of a mesh, those that are in no grid. */
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
     {
@@ -138,6 +141,9 @@ namespace embree
         results.add(statistics);
       }
 
+      /*! Builds a patch with many rows in strips, which run as separate tasks. Two strips share a row of vertices. If a
+       *  second evaluation could differ, the shared rows are evaluated first, and both strips use these vertices.
+       *  number: index of the patch in its primitive. */
       void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory,
                         BuildResults& results,
                         cbvh::BuildStatistics& statistics, const Progress& progress)
@@ -178,7 +184,8 @@ namespace embree
           });
       }
 
-      /*! Leaves moving blocks, and few blocks, to the trees of scenes. */
+      /*! Builds the tree over the blocks and divides it into parts for the trees of scenes. Does not build it for
+       *  moving blocks, nor for so few blocks that each of them can be a part. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimitives = prims.size();
@@ -196,7 +203,8 @@ namespace embree
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
 
-      /*! Null if the source has no storedBorders(). */
+      /*! Returns null if the source has no storedBorders(). Call it with 0: overload resolution then prefers the
+       *  function with int, if it compiles for the source. */
       template<typename S>
       static auto bordersOf (const S& source, int) -> decltype(&source.storedBorders()) {
         return &source.storedBorders();
@@ -211,7 +219,7 @@ namespace embree
       const CompressionPlan& plan;
       Source source;
       const std::unique_ptr<IrregularBlocks> loose;
-      const double ofGeometry; //!< geometry's primitives per primitive of the source
+      const double ofGeometry; //!< progress: the geometry's primitives per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
     };

@@ -16,7 +16,7 @@ namespace embree
     {
       void validateCompression (const RTCCompression& value)
       {
-        int compression; // the application's value may be outside of the enumeration
+        int compression; // memcpy, because a value outside of the enumeration would be undefined behavior
         std::memcpy(&compression,&value,sizeof(compression));
         cbvh::Kind kind;
         if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE

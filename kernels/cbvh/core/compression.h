@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Compression settings and statistics of geometries. */
+/* Compression settings and statistics of geometries. Like all headers of this folder, it does not include Embree's, so
+ * that interfaces outside of libembree3 (kernels/beside) can use it. The C functions in api/ also call it. */
 
 #include "../base/surface_statistics.h"
 #include "../state/settings.h"
@@ -16,8 +17,9 @@ namespace embree
   namespace core
   {
     /*! Throws RTC_ERROR_INVALID_ARGUMENT, naming the member and its value, for: a compression that is unknown or not in
-     *  this library, a frameLevel outside of -2 to 8, a maxError that is not finite, a maxPixelError that is negative
-     *  or not finite, an invalid camera if maxPixelError is not 0, and an fallbackFaces above 1. */
+     *  this library, a frameLevel outside of -2 (inherit), -1 (auto) and 0 to 8, a maxError that is not finite, a
+     *  maxPixelError that is negative or not finite, an invalid camera if maxPixelError is not 0, and a fallbackFaces
+     *  above 1. */
     void validate (const CompressionSettings& settings);
 
     /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry,

@@ -12,7 +12,8 @@ namespace embree
 {
   namespace
   {
-    /*! Checks of values. Builds check the names of accelerators and builders. */
+    /*! How a key's value is checked. Any: not at all here. Names of accelerators and builders are checked when a scene
+     *  is built, cbvh keys when they are parsed. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
@@ -62,6 +63,7 @@ namespace embree
       return key == std::end(keys) ? nullptr : key;
     }
 
+    /*! Returns the Levenshtein distance of two words, computed row by row. */
     size_t distance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
@@ -79,6 +81,7 @@ namespace embree
       return row[b.size()];
     }
 
+    /*! Returns the accepted values; none if values are not checked by a list. */
     std::vector<std::string> wordsOf (Value value)
     {
       switch (value) {
@@ -159,7 +162,7 @@ namespace embree
       at = std::min(text.find_first_not_of(blanks,end),text.size());
       std::string value;
       if (at < text.size() && text[at] == '=') {
-        /* a value ends at a comma or blank, except for blanks around | */
+        /* Like Embree's lexer: a value ends at a comma or blank, except for blanks around the | of scene_flags. */
         for (at++; at < text.size() && text[at] != ','; at++) {
           if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
           const size_t next = text.find_first_not_of(blanks,at);

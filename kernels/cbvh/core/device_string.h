@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* Checks device strings such as "threads=4,isa=avx2", whose unknown keys Embree ignores. Independent of Embree, so that
- * libembree_cbvh can use it. */
+/* Checks device strings such as "threads=4,isa=avx2". Embree ignores unknown keys and many invalid values without an
+ * error. Independent of Embree, so that libembree_cbvh can use it. Thread-safe. */
 
 #include <string>
 #include <vector>
 
 namespace embree
 {
-  /*! True if Embree or its compression knows a key. */
+  /*! True if a key is one of Embree's, or one of the cbvh keys. */
   bool isDeviceKey (const std::string& key);
 
-  /*! Returns the most similar known key. */
+  /*! Returns the known key that is most similar to `word`, for messages. */
   std::string nearestDeviceKey (const std::string& word);
 
   /*! Returns the first word that begins with `word`, otherwise the most similar one. */
@@ -26,5 +26,7 @@ namespace embree
 
   /*! Returns and clears the message of this thread's last rejected setting, or an empty string. */
   std::string takeSettingError ();
+
+  /*! Stores a message for takeSettingError() on the same thread. */
   void keepSettingError (const std::string& message);
 }

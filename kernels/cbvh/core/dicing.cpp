@@ -47,13 +47,15 @@ namespace embree
         requireFinite("up",camera.up,3);
         const Double3 direction = { camera.direction[0],camera.direction[1],camera.direction[2] },
             up = { camera.up[0],camera.up[1],camera.up[2] };
+        /* the sine of the angle between them must exceed 1e-7, about the precision of floats */
         const double lengths2 = dot(direction,direction)*dot(up,up);
         const double right2 = dot(cross(direction,up),cross(direction,up));
         if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
             "invalid direction or up: expected vectors that are not zero and not parallel");
       }
 
-      /*! Sets each edge's rate to the highest of its faces. rates: one per index. */
+      /*! Sets each edge's rate to the highest of its faces, so that adjacent faces agree without stitching. rates: one
+       *  per index. */
       void equalizeEdgeRates (const SubdivMesh* mesh, std::vector<float>& rates)
       {
         struct Edge
@@ -91,6 +93,7 @@ namespace embree
         return min(std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f))))),largestRate(bound));
       }
 
+      /*! Measures all faces at all time steps. Returns one rate per index. */
       std::vector<float> ratesOf (SubdivMesh* mesh, const DicingCamera& camera)
       {
         const DicingView view(camera);
@@ -113,8 +116,9 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* A patch per corner, with halves of both edges at the corner. Opposite sides count for both edges.
-                 * Embree supports 16 corners. */
+                /* Otherwise the face has a patch per corner i, whose parameters u and v begin at 2 (i % 4) + 0.5 and 2
+                 * (i / 4) + 0.5. Two of its sides are halves of the edges at the corner, so its rates count twice. The
+                 * edges also get the rates of the opposite sides. Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];

@@ -3,6 +3,9 @@
 
 #pragma once
 
+/* Chooses the edge rates of a subdivision surface, from which GRID and all compressed kinds tessellate it, by the size
+ * of its quads in a camera's picture. */
+
 #include "../surface/dicing_camera.h"
 #include <vector>
 

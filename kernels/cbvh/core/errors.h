@@ -22,6 +22,7 @@ namespace embree
     /*! Call it in a catch block. Exceptions that are not Embree's become RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
+    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code that must not include Embree's headers. */
     [[noreturn]] void invalidArgument (const std::string& text);
   }
 }

@@ -25,11 +25,13 @@ namespace embree
         }
       }
 
+      /*! A geometry that can be saved. Holds its blocks, but no reference to the geometry. */
       struct Saved
       {
         const CompressibleGeometry* geometry;
         std::shared_ptr<const SurfaceBlocks> blocks;
 
+        /*! Throws RTC_ERROR_INVALID_OPERATION if the geometry has no blocks, or changed since they were built. */
         explicit Saved (Geometry* saved) : geometry(compressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);

@@ -48,6 +48,7 @@ namespace embree
       CompressedFileWriter (const CompressedFileWriter&) = delete;
       CompressedFileWriter& operator= (const CompressedFileWriter&) = delete;
 
+      /*! Number of geometries that were appended, including those of a resumed file. */
       size_t size () const;
 
       /*! As rtcAppendCompressedGeometry. */
@@ -71,7 +72,7 @@ namespace embree
       float begin, end;                        //!< times of the first and last step
       /*! Bounds of everything that rays can hit, at all times; empty if lower is above upper. */
       float lower[3], upper[3];
-      size_t bytes;                            //!< size in the file
+      size_t bytes;                            //!< size of tree and blocks in the file
     };
 
     /*! An open file. Any number of threads may use it. Loaded geometries keep it mapped. */
@@ -84,6 +85,7 @@ namespace embree
       CompressedFile (const CompressedFile&) = delete;
       CompressedFile& operator= (const CompressedFile&) = delete;
 
+      /*! Number of geometries. */
       size_t size () const;
 
       /*! Reads neither tree nor blocks. Errors: RTC_ERROR_INVALID_ARGUMENT if index is not below size(). */

@@ -11,6 +11,7 @@ namespace embree
   {
     namespace
     {
+      /*! The intersectors of AVX2 and later fuse multiply-adds (FMA), which changes the vertices between time steps. */
       cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
         return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
       }

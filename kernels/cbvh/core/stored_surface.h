@@ -23,6 +23,7 @@ namespace embree
 
   namespace core
   {
+    /*! Time of the first time step, 0 for geometry that does not move. */
     float firstTime (Geometry* geometry);
 
     /*! Finds the triangle of a hit, as rtcGetCompressedTriangleAtTime. Ng: 3 floats, or null. triangle: set if the

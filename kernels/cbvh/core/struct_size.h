@@ -31,15 +31,18 @@ namespace embree
       static_assert(offsetof(T,structSize) == 0 && firstSize <= sizeof(T),"members are appended to structSize"); \
     }
 
+    /*! GrowingStruct at run time, so that the functions below are no templates. */
     struct KnownStruct
     {
       const char* name;
       size_t firstSize, size;  //!< in the first version and in this one
     };
 
-    /*! Larger values indicate uninitialized memory. */
+    /*! Upper bound of structSize. Larger values indicate uninitialized memory. */
     const size_t maxStructSize = 1024;
 
+
+    /*! Implementations of requireStruct, readStruct and writeStruct. */
     void checkStructSize (const KnownStruct& known, const void* data);
     void copyFromApplication (const KnownStruct& known, const void* from, void* to);
     void copyToApplication (const KnownStruct& known, void* to, const void* from);

@@ -3,6 +3,7 @@
 
 #pragma once
 
-/* Embree's geometries, for headers that Embree's scene headers include. */
+/* Embree's base class of geometries, for headers that Embree's own scene headers include (state/). They cannot include
+ * scene.h. */
 
 #include "../../common/geometry.h"

@@ -3,5 +3,7 @@
 
 #pragma once
 
+/* Embree's BVH builder for motion blur. */
+
 #include "scene.h"
 #include "../../builders/bvh_builder_msmblur.h"

@@ -3,5 +3,7 @@
 
 #pragma once
 
+/* Embree's rays and ray packets. */
+
 #include "simd.h"
 #include "../../common/ray.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Converts statistics to and from the record of a file. */
+/* Converts the statistics of a surface to and from its record in a file (cvert/file/format.h). */
 
 #include "../base/codec.h"
 #include "../base/surface_statistics.h"
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! In the order of FileGeometry::counts. */
+    /*! Calls closure(member) for each integer, in the order of FileGeometry::counts, which must not change. */
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {
@@ -26,6 +26,7 @@ namespace embree
       closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid);
       closure(s.quadsForHoles); closure(s.bytesInEmbree);
     }
+    /*! Same for floats, in the order of FileGeometry::measures. */
     template<typename Statistics, typename Closure>
     void forEachMeasure (Statistics& s, const Closure& closure)
     {

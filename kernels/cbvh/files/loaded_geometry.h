@@ -15,8 +15,9 @@ namespace embree
   class LoadedGeometry : public CompressibleGeometry
   {
   public:
-    static const char* const noInputMessage; //!< message of errors of these functions
+    static const char* const noInputMessage; //!< message of the functions that fail
 
+    /*! record: entry of the file's directory. blocks: result of loadSurface(). The geometry is committed afterwards. */
     LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                     const std::shared_ptr<const SurfaceBlocks>& blocks);
 
@@ -49,7 +50,7 @@ namespace embree
     /*! Throws the error of functions that need the input. */
     [[noreturn]] static void rejectAccess ();
 
-    const BBox1f ownTimes; //!< times of the first and last step
+    const BBox1f ownTimes; //!< times of the first and last step; blocks store them, so they cannot be changed
   };
 
   /*! Throws if a geometry was loaded from a file. */

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "loaded_surface.h"
 #include "../base/primitive_type.h"
@@ -23,8 +23,8 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. It begins before the part if pages of the machine are larger than
-       *  the file's, as on ARM64. */
+      /*! Copy-on-write mapping of a part of a file. The mapping begins `before` bytes before the part if pages of the
+       *  machine are larger than the file's, as on ARM64. */
       struct PrivatePages
       {
         const size_t before;
@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! pages: null if the surface has no private pages. */
+      /*! Memory of a loaded surface. Blocks are in private pages, or in the mapping of the file if pages is null. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
@@ -52,7 +52,7 @@ namespace embree
         return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2]));
       }
 
-      /*! Sink of TreeReader that builds Embree's tree. */
+      /*! Receives the tree that TreeReader reads and checks, and builds the same tree from Embree's nodes. */
       class SurfaceLoader
       {
       public:
@@ -68,7 +68,7 @@ namespace embree
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (isMovingBlock(typeOf(type))) { // commits of scenes decode its boxes
+          if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
             const BlockForm form = formOfBlock(typeOf(type));
             if (const Reason reason = mapped.validate(size_t(offset),form))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
@@ -133,7 +133,8 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* A second surface of the same blocks needs private pages, into which its number is written. */
+      /* Blocks contain a surface number (base/surface_ids.h). If another surface of the process already has the number
+       * of the file, this surface gets a different one, and copy-on-write pages into which it is written. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);

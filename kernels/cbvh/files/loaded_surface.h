@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Surfaces of a file. Loading reads and checks the tree; blocks are checked when rays first reach them
- * (mapped_blocks.h). */
+/* Loads the surfaces of a file, for core/files.h. Loading reads and checks the tree, and moving blocks. Other blocks
+ * stay in the mapped file, and are checked when rays first reach them (mapped_blocks.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/file/file.h"
@@ -17,7 +17,8 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Throws cvert::Error if the geometry's tree or a moving block is damaged. */
+    /*! Loads geometry i. Throws cvert::Error if its tree or a moving block is damaged. The result keeps the file
+     *  mapped. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "mapped_blocks.h"
 #include "../embree/scene.h"
@@ -17,11 +17,12 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! All mapped blocks of the process. */
+    /*! All MappedBlocks of the process, to find the owner of a block by its address. Each thread has a copy of the
+     *  sorted list and remembers the last owner, so that rays need no lock. */
     class MappedBlockRegistry
     {
-      /*! Passed by value, because other threads may delete blocks of geometries that the calling thread does not
-       *  trace. */
+      /*! Range of addresses. A copy of the members of MappedBlocks, because other threads may delete the MappedBlocks
+       *  of geometries that the calling thread does not trace. */
       struct Place
       {
         const char* begin;
@@ -33,7 +34,7 @@ namespace embree
       typedef std::vector<Place> List; //!< sorted by address
 
     public:
-      /*! Throws std::bad_alloc without changing anything. */
+      /*! If std::bad_alloc is thrown, nothing was changed. */
       static void add (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -61,7 +62,8 @@ namespace embree
       }
 
     private:
-      /*! Per thread. Its list may be outdated while a geometry in it is traced. */
+      /*! A thread's copy. Between two uses the list may be outdated, but it contains all geometries that the thread is
+       *  tracing. */
       struct Known
       {
         uint64_t generation = 0;
@@ -114,7 +116,7 @@ namespace embree
         return Place{ nullptr, 0, nullptr };
       }
 
-      /*! All mapped blocks and `another`. The mutex must be locked. */
+      /*! Returns a new list of all registered MappedBlocks, and of `another` unless null. The mutex must be locked. */
       static std::shared_ptr<const List> listOf (const MappedBlocks* another)
       {
         const std::shared_ptr<List> made = std::make_shared<List>();
@@ -124,7 +126,8 @@ namespace embree
         return made;
       }
 
-      /*! Publishes a change. The mutex must be locked. The range that other threads read always contains all blocks. */
+      /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, so that it contains
+       *  all blocks for readers that see a part of the change (base/mapped_blocks.h). */
       static void changed ()
       {
         if (!first) {
@@ -143,7 +146,7 @@ namespace embree
       static MutexSys mutex;                    //!< protects the next four members
       static MappedBlocks* first;
       static std::shared_ptr<const List> list;  //!< null if there was no memory for it
-      static size_t hullBegin, hullEnd;
+      static size_t hullBegin, hullEnd;         //!< range of addresses; grows until no file is mapped
       static std::atomic<uint64_t> generation;  //!< incremented by each change
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that other blocks are never
- * read from disk. Decoders and traversal stay inside of every block that passes the check, and its hits report existing
- * primitives. */
+ * read from disk. Decoders and traversal access no memory outside of a block that passes the check, and its hits report
+ * existing primitives. base/mapped_blocks.h is the test that traversal calls. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -21,11 +21,13 @@ namespace embree
 
   namespace cbvh
   {
+    /*! Threads may call all const members at the same time. */
     class MappedBlocks
     {
     public:
-      /*! file: outlives this object, with at least fileReadPast bytes after the blocks. begin: of the blocks. number:
-       *  surface number, written into blocks that have another, which must then be writable. name: for messages. */
+      /*! file: mapped with at least fileReadPast bytes after the blocks, which decoders may read. begin: first block.
+       *  number: surface number. If it differs from the record's, it is written into each block that is checked, so
+       *  blocks must be writable. name: for messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
                     const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();
@@ -43,7 +45,7 @@ namespace embree
           || check(offset,form);
       }
 
-      /*! Writes the surface number into a block that has another. */
+      /*! Writes the surface number into a block, unless the block has it already. Thread-safe. */
       void setSurfaceNumber (size_t offset, BlockForm form) const;
 
       const char* first () const { return begin; }

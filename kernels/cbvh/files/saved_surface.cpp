@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "saved_surface.h"
 #include "../base/kinds.h"
@@ -24,6 +24,8 @@ namespace embree
 
     namespace
     {
+      /*! Converts a surface's tree, and lists its blocks, in one of the three forms of a file: a tree, a list of few
+       *  blocks with bounds, or a list of moving blocks without bounds. */
       class Layout
       {
       public:

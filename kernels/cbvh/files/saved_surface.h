@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Saves surfaces to a file, for core/files.h. The inverse of loaded_surface.h. */
+
 #include "../base/codec.h"
 #include "../../cvert/file/writer.h"
 
@@ -13,8 +15,9 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Prepares a compressed geometry for cvert::FileWriter. The result refers to the blocks. Throws if a part of the
-     *  geometry is not compressed. */
+    /*! Prepares a compressed geometry for cvert::FileWriter. The result refers to the blocks, which must outlive it.
+     *  Throws RTC_ERROR_INVALID_OPERATION if a part of the geometry is not compressed, a block of a file is damaged, or
+     *  bounds are not finite. */
     FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
   }
 }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Validates blocks with frames. */
+/* Validates blocks with frames (framed/block.h) that were read from a file. cvert/decoder/validate.h does the same for
+ * all other blocks. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -28,8 +29,8 @@ namespace embree
       return !isZero;
     }
 
-    /*! Returns the first error in a block of at most `bytes` bytes. Decoders of a valid block read only the block,
-     *  whatever its fields are. */
+    /*! Returns the first error in a block of at most `bytes` bytes. Decoders read no memory outside of a valid block,
+     *  whatever its nodes and leaves contain. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
       if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
@@ -46,7 +47,7 @@ namespace embree
       return bytes < needed ? Reason::damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
     }
 
-    /*! Also checks the primitive. */
+    /*! Also checks that the block's primitive exists. */
     inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPrimitives)
     {
       if (const Reason reason = validateFramedBlock(data,bytes)) return reason;

@@ -21,6 +21,7 @@ namespace embree
   {
     namespace
     {
+      /*! The memory that the pointers of a FlatScene refer to. */
       struct OwnedScene : public FlatScene
       {
         std::vector<FlatNode> ownNodes;
@@ -33,6 +34,7 @@ namespace embree
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
+      /*! Copies a tree of Embree's nodes, depth first, to the arrays of a scene. */
       class TreeCopy
       {
       public:
@@ -59,7 +61,8 @@ namespace embree
                       offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
-        /*! grid, gridIndex: the node's grid and its index in blocks; null above grids */
+        /*! Copies a subtree and returns its reference. grid: grid of GRID that contains the node, null above grids.
+         *  gridIndex: its index in ownBlocks. above: number of nodes above. */
         uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;
@@ -102,7 +105,7 @@ namespace embree
           return makeReference(movingNodeReference,index(n));
         }
 
-        /*! planes: in the order of Embree's nodes */
+        /*! planes: in the order of Embree's nodes: lower and upper x, y, z. */
         static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
         {
           for (size_t i=0; i<4; i++) {
@@ -119,7 +122,7 @@ namespace embree
         {
           size_t type;
           const char* data = ref.leaf(type);
-          if (grid) {
+          if (grid) { // Embree encodes the first vertex of 2 x 2 quads, plus 1, above the 4 bits of the leaf type
             out.ownCells.push_back(FlatCell{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
             return makeReference(cellReference,index(out.ownCells.size()-1));
           }
@@ -233,6 +236,7 @@ namespace embree
         return out;
       }
 
+      /*! True if a tree was built over moving blocks. */
       bool moves (BVH4::NodeRef root)
       {
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
@@ -251,7 +255,7 @@ namespace embree
         bool isAllTraced = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
-        // if false, the caller reports the geometry by name
+        // if false, the trees stay empty, and the caller reports the geometry by its typeName
         for (const FlatGeometry& geometry : flat->ownGeometries)
           isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
 

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A committed scene as plain data, for traversal outside of this library (kernels/vulkan), without types of Embree. The
- * top-level tree is copied. Blocks, vertices and indices are referenced; they remain valid until the scene is committed
- * again or released. */
+/* A committed scene as plain data without types of Embree, for traversal by the Vulkan library (kernels/vulkan), which
+ * uploads it to a GPU. Nodes are copied. Blocks, vertices and indices are referenced, and remain valid until the scene
+ * is committed again or released. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -16,14 +16,15 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Libraries with different versions are incompatible. */
+    /*! Increment it when a struct below changes. libembree3 and libembree3_vulkan of different versions are
+     *  incompatible. */
     static const uint32_t flatSceneVersion = 6;
 
     /*! Four children. Unused children are emptyReference, with infinite bounds that no ray hits. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
-      uint32_t children[4];           //!< see reference.h; indices of nodes, blocks and cells
+      uint32_t children[4];           //!< references (reference.h) to nodes, blocks or cells
     };
 
     /*! Four moving children. A plane at time t is its position at time 0 plus t times its difference; this is
@@ -49,27 +50,28 @@ namespace embree
     struct FlatCell
     {
       uint32_t block;    //!< index of the grid in blocks
-      uint32_t vertex;   //!< first vertex
+      uint32_t vertex;   //!< vertex of the grid at the corner with the lowest u and v
     };
 
     enum FlatGeometryType { FLAT_NONE, FLAT_SURFACE, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
 
+    /*! A geometry of the scene. Its type determines which members are valid. */
     struct FlatGeometry
     {
       FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
-      const char* typeName;
+      const char* typeName;      //!< for messages, with article: "a triangle mesh"; null for FLAT_NONE
       uint32_t mask;
       uint32_t timeSteps;
-      bool isTraced;             //!< a FlatScene supports it: static, compressed, or an instance with linear motion
+      bool isTraced;             //!< supported: static, compressed, or an instance without quaternions
       bool hasFilter;
-      uint64_t build; //!< equal if a compressed surface has the same blocks in several scenes; otherwise 0
-      /* number of triangles */
+      uint64_t build;            //!< SurfaceBlocks::build: identifies blocks that scenes share; 0 for other types
+      /* for FLAT_TRIANGLES: buffers of the application; strides in bytes */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
-      /* members of an instance begin here */
+      /* for FLAT_INSTANCE */
       float worldToLocal[12];    //!< columns x, y, z, translation; undefined for moving instances
-      const float* localToWorld; //!< inverse per time step, linear between steps
+      const float* localToWorld; //!< one such transform per time step, linear between steps
       float begin, end;          //!< times of the first and last step; a moving instance exists only between them
       RTCScene instanced;
       float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
@@ -77,7 +79,7 @@ namespace embree
 
     struct FlatTree
     {
-      uint32_t root;             //!< reference, or emptyReference
+      uint32_t root;             //!< reference, or emptyReference for an empty tree
       uint32_t depth;            //!< nodes on the longest path to a leaf
       float lower[3], upper[3];  //!< bounds at all times
     };
@@ -102,8 +104,10 @@ namespace embree
 extern "C" {
 #endif
 
-/* Describes a committed scene. Returns NULL and sets the error of the scene's device if the scene is not committed, or
- * has more nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
+/* Describes a committed scene. The caller must release the result with rtcReleaseFlatScene. If isTraced is false for a
+ * geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
+ * scene's device if the scene is not committed, contains a damaged block of a file or a moving mesh block, or has more
+ * nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h instead. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */

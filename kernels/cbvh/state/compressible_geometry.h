@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* State of geometries that can be compressed, in addition to Embree's. Scenes compress subdivision surfaces without
- * motion blur. Commits compress moving subdivision surfaces, grids, quads and triangles, and give them a type that
- * Embree's kernels ignore. */
+/* State of geometries that can be compressed, in addition to Embree's. The commit of a scene builds their blocks.
+ * Moving subdivision surfaces, grids, quads and triangles that are compressed have the type GTY_COMPRESSED, which
+ * Embree's kernels ignore. The commit of the geometry sets it. Static subdivision surfaces keep their type: if a scene
+ * compresses one of them, its compressed tree contains all of them. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -26,23 +27,26 @@ namespace embree
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until needed
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built, and after a change
-    std::shared_ptr<const QuadRegions> regions;        //!< quads and triangles: from the commit until blocks are built
-    bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT, or the key release_input
-    const char* rejectionReason = nullptr;             //!< why compression was requested but not done
+    std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built
+    bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
+    const char* rejectionReason = nullptr;             //!< why a requested compression was not done; may be empty
 
-    /*! counted: modifications that Embree counts for a change of visibility. */
+    /*! Records a change of the mask, a filter, or whether the geometry is enabled, for which blocks remain valid.
+     *  counted: by how much Embree increments the geometry's modCounter_ for this change, 0 or 1. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
 
     /*! Records a change of the surface, or of arguments of its displacement function, that Embree may not count. */
     void change () { changed = true; }
 
-    /*! True if blocks remain valid: only the visibility changed since the last commit. If no change was detected,
-     *  blocks are rebuilt, because a displacement function may return other values, unless the input was released. */
+    /*! True if blocks remain valid, because only the visibility changed since the last commit. If the application
+     *  committed without any detected change, blocks are rebuilt, because its displacement function may return other
+     *  values, unless the input was released. */
     bool isKept (unsigned modCounter) const {
       return (visibilityChanged || (inputReleased && blocks)) && !changed
         && modCounter - committedModCounter == visibilityChanges;
     }
 
+    /*! Ends a commit: later changes count from here. */
     void commit (unsigned modCounter)
     {
       visibilityChanged = changed = false;
@@ -61,7 +65,7 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! Type of geometry that commits compress. Embree does not use this value. */
+    /*! Type of compressed geometry, except for static subdivision surfaces. A value that Embree does not use. */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
@@ -76,13 +80,14 @@ namespace embree
     }
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
-    /*! True if blocks are traced instead of Embree's representation. */
+    /*! True if blocks are traced instead of Embree's representation. Always false for static subdivision surfaces,
+     *  about which each scene decides (cbvh::hasCompressedGeometry). */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
     /*! False returns the geometry to Embree's kernels. */
     void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
 
-    /*! Counts compressed geometry as subdivision surfaces, whose trees contain its blocks. */
+    /*! Counts compressed geometry as subdivision surfaces: scenes then create the tree that contains its blocks. */
     void addToCount (GeometryCounts& counts) const {
       (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives;
     }
@@ -92,7 +97,7 @@ namespace embree
     SurfaceState surface;
 
   protected:
-    /*! Throws if interpolation needs released input. */
+    /*! Throws if interpolation of this type of buffer needs released input. */
     void requireInput (RTCBufferType type) const;
   };
 
@@ -120,13 +125,16 @@ namespace embree
   /*! Returns data, a buffer's contents. Throws if it is null because the input was released. */
   void* requireBuffer (Geometry* geometry, void* data);
 
-  /*! Begins a commit. True if the surface must be read again. Throws if its buffers were released. */
+  /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if the
+   *  surface changed, so that Embree must read its buffers again. Throws rtcore_error if buffers are invalid, or were
+   *  released and not set again. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
   bool beginCommit (QuadMesh* mesh);
   bool beginCommit (TriangleMesh* mesh);
 
-  /*! Compresses a geometry if commits do so for its type, and releases its input. */
+  /*! Ends the commit of a geometry. If it is compressed and its settings request that its input be released, builds its
+   *  blocks and releases the input. */
   void endCommit (SubdivMesh* mesh);
   void endCommit (GridMesh* mesh);
   void endCommit (QuadMesh* mesh);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compression settings of a device or a geometry. Members may be inherited, in the order geometry, device string,
- * environment, default. resolve() computes the effective settings. */
+/* Compression settings of a device or a geometry. A member that is not set is inherited: a geometry inherits from the
+ * device string, then from the environment, then from the defaults. resolve() computes the effective settings. */
 
 #include "../../../include/embree3/rtcore_compression.h"
 #include <string>
@@ -20,16 +20,16 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units; 0: lossless cVERT; negative: inherited, or the default
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< set for geometries only
-    int fallbackFaces = -1;    //!< 0 or 1; negative: inherited
+    int fallbackFaces = -1;    //!< 1: cLEAF stores faces that heights represent badly as cVERT; negative: inherited
     bool releasesInput = false; //!< the geometry or its device requests it
-    /*! set for devices only: types that inherit compression */
+    /*! Set for devices only: types of geometry that inherit the device's compression. */
     bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
     RTCProgressMonitorFunction progress = nullptr; //!< set for geometries only
     void* progressUserPtr = nullptr;
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error with key and
-     *  value. */
+     *  value if one of them is invalid. Keeps keys that are not known at all for verify(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT needs less memory than cGRID, is smaller and more exact

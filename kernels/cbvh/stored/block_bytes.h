@@ -13,6 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
+    /*! Size of a block, without the bytes after it that decoders may read. */
     inline uint32_t bytesOfBlock (const void* block, BlockForm form)
     {
       switch (form) {
@@ -22,6 +23,7 @@ namespace embree
       }
     }
 
+    /*! Offset of the surface number (base/surface_ids.h) in a block, in bytes. */
     inline uint32_t offsetOfSurface (BlockForm form)
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Clusters of a surface in formats that GPUs read, as plain data without Embree. docs/formats/clusters.md describes the
- * formats. */
+/* Clusters of triangles in formats that GPUs read, as plain data without Embree. stored_clusters.h makes them from the
+ * blocks of a surface. docs/formats/clusters.md describes the formats. */
 
 #include "part.h"
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace embree
     /*! Why a cluster is returned as floats. */
     enum class ClusterReason : int
     {
-      FITS = 0,
+      FITS = 0,   //!< it is not, unless floats were requested
       RAW = 1,    //!< the block stores floats, or as many bits
       MOVING = 2, //!< vertices are interpolated between time steps, or the block is a moving mesh block
       RANGE = 3   //!< the lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
@@ -41,9 +41,10 @@ namespace embree
       const void* data;            //!< aligned to 4 bytes
       size_t bytes;
       const uint8_t* indices;      //!< three per triangle; for DGF in a decoder's order
-      /*! Triangle in the part: 2 ((width-1) y + x) for quad x, y, plus 1 for its second triangle. */
+      /*! Per triangle, its number in the part: 2 ((part->width-1) y + x) for quad x, y, plus 1 for its second
+       *  triangle. */
       const uint32_t* triangles;
-      /*! Triangles of all previous clusters; for DGF the block's first primitive index. */
+      /*! Number of triangles in all previous clusters. The first primitive index of a DGF block. */
       uint32_t firstTriangle;
       /*! In vertices, if the cluster is a whole grid, row by row: such clusters of the same size have the same indices.
        *  Otherwise, and for DGF, 0, 0. */
@@ -51,6 +52,7 @@ namespace embree
       const StoredPart* part;
     };
 
+    /*! Sums over the clusters of a call. */
     struct ClusterReport
     {
       size_t numClusters = 0, numTriangles = 0;

@@ -7,10 +7,11 @@
 
 namespace embree
 {
-  /*! A scene's tree over blocks and grids of GRID. */
+  /*! A scene's tree over its static, or its moving, compressed surfaces: Embree's BVH4, whose leaves are blocks or
+   *  grids of GRID (base/primitive_type.h). */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< a geometry is a grid geometry, which point queries find
+    bool hasGrids = false; //!< a geometry is not a cage, so point queries must visit the tree
   };
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Triangles and parts of a stored surface, as plain data without Embree. */
+/* Triangles and parts of a surface as it is stored, as plain data without Embree. The results of stored_triangles.h. */
 
 #include <cstdint>
 
@@ -15,7 +15,7 @@ namespace embree
     struct StoredTriangle
     {
       float vertices[3][3]; //!< in the geometry's space
-      /*! Parameters at the vertices; those of hits are interpolated between them. */
+      /*! Parameters at the vertices. The parameters of a hit are interpolated between them. */
       float u[3], v[3];
     };
 

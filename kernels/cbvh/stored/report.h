@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* The result of a build of a scene, and the acceleration structure that owns it. */
+
 #include "surface_blocks.h"
 #include <string>
 #include <vector>
@@ -26,7 +28,7 @@ namespace embree
     }
   };
 
-  /*! For a scene's moving compressed surfaces, or for its static subdivision surfaces if one is compressed. */
+  /*! The acceleration structure of a scene for moving, or for static, compressed surfaces (api/factory.h). */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -8,12 +8,13 @@
 
 namespace embree
 {
+  /*! Throws RTC_ERROR_INVALID_OPERATION. */
   [[noreturn]] inline void notCompressed () {
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,
         "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
   }
 
-  /*! The blocks are valid until the geometry's next commit. Throws if it has none. */
+  /*! Returns the blocks of a geometry, valid until its next commit. Throws as notCompressed() if it has none. */
   inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
   {
     const CompressibleGeometry* const surface = compressible(geometry);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "stored_clusters.h"
 #include "../embree/scene.h"
@@ -24,7 +24,7 @@ namespace embree
         Cutter (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
           : format(format), closure(closure), report(report) {}
 
-        /*! False if the closure returned false. */
+        /*! Divides a part into clusters. Returns false if the closure returned false. */
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
@@ -45,7 +45,7 @@ namespace embree
         }
 
       private:
-        /*! Squares have up to 8 x 8 quads. */
+        /*! Calls closure for squares of up to 8 x 8 quads, until it returns false. */
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& rect, const Closure& closure)
         {
@@ -59,12 +59,13 @@ namespace embree
           return true;
         }
 
+        /*! Finds the lattice of a rectangle's vertices. Returns false if their positions fit no lattice. */
         bool place (LatticePoints& points, const QuadRectangle& rect) const {
           return points.place(part->vertices + 3*(size_t(rect.y)*part->width + rect.x),part->width,
                               rect.width+1,rect.height+1);
         }
 
-        /*! In COMPRESSED1 if possible. */
+        /*! Emits a square in COMPRESSED1 if it was requested and is possible, otherwise as floats. */
         bool emitVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return emitFloats(square,ClusterReason::FITS);
@@ -90,7 +91,8 @@ namespace embree
           return emit(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
         }
 
-        /*! Returns false, without calling the closure, if a quad does not fit into a block of DGF. */
+        /*! Tiles a rectangle with blocks of DGF. goesOn: set to the result of the last closure. Returns false, without
+         *  calling the closure, if a quad does not fit into a block of DGF. */
         bool cutIntoDgf (const QuadRectangle& rect, bool& goesOn)
         {
           if (rect.width >= LatticePoints::maxSide || rect.height >= LatticePoints::maxSide || !place(points,rect))
@@ -104,7 +106,7 @@ namespace embree
           return true;
         }
 
-        /*! rect: rectangle of points around the piece. */
+        /*! Emits a piece of a rectangle. rect: rectangle whose vertices are in `points`. */
         bool emitDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
@@ -118,7 +120,8 @@ namespace embree
                            "2^29, because primitive indices of DGF have 29 bits");
           if (!block.write(triangles,points,uint32_t(report.numTriangles)))
           {
-            /* without all triangles, the piece may need several strips */
+            /* The tiling assumes that no triangle is missing. If some are, the piece may need more strips of triangles
+             * than fit: halve it. */
             QuadRectangle halves[2] = { piece,piece };
             if (piece.width >= piece.height) {
               halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width;
@@ -162,7 +165,7 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason reasonForFloats = ClusterReason::FITS; //!< if a cluster is stored as floats
+        ClusterReason reasonForFloats = ClusterReason::FITS; //!< why clusters of this block may need floats
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];

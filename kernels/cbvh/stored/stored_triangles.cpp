@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "stored_triangles.h"
 #include "../base/mapped_blocks.h"
@@ -46,12 +46,13 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! Position of a block's quads in their patch. */
+      /*! Position of a block's quads in their patch, from which parameters follow. Numbers of quads are along u and
+       *  v. */
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
         float corner[2];   //!< corner of the patch, in parameters of the face
-        bool isCut;        //!< the block stores edges
+        bool isCut;        //!< the block stores the rates of the patch's edges, which may be lower than patchQuads
         VertEdges edges;
 
         explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
@@ -74,14 +75,15 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! Rate of a row (d = 0) or column (d = 1) of vertices: an edge's or the quads'. across: row or column. */
+        /*! Rate of a row (d = 0) or column (d = 1) of vertices: the edge's rate on an edge of the patch, otherwise the
+         *  number of quads. across: number of the row or column in the patch. */
         uint32_t rate (int d, uint32_t across) const {
           return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
             : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
         }
       };
 
-      /*! A decoded block without numbers. */
+      /*! A decoded block of cVERT or cGRID whose quads belong to one primitive. */
       struct DecodedBlock
       {
         const Place place;
@@ -115,13 +117,15 @@ namespace embree
           for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
+      /*! False if the time is outside of a moving block's time range. */
       bool isPresent (const StoredBlock& block, const TraversalTime& time)
       {
         if (block.isMesh()) return MeshAtTime::isPresent(block.mesh(),time);
         return !block.isVert() || VerticesAtTime::isPresent(block.vert(),time);
       }
 
-      /*! Calls closure(number, corners). */
+      /*! Calls closure(number, corners) for each triangle of a mesh block. number: primitiveOfMesh() returns its
+       *  primitive. */
       template<typename Closure>
       void forEachTriangle (const MeshHeader* block, const TraversalTime& time, const Closure& closure)
       {
@@ -139,7 +143,9 @@ namespace embree
         }
       }
 
-      /*! Finds the triangle with a hit. */
+      /*! Finds the triangle of a hit by its primitive and its parameters u and v. Rounding can move these across an
+       *  edge, so it accepts triangles within a small distance of (u,v) in parameters, and takes the best one: by the
+       *  angle between its normal and Ng, or by that distance if Ng is null. */
       class Search
       {
       public:
@@ -158,7 +164,8 @@ namespace embree
         }
 
       private:
-        /*! Considers both triangles of a quad, in the application's order of vertices. */
+        /*! For blocks whose quads are primitives. Considers both triangles of a quad, in the application's order of
+         *  vertices. */
         void searchByPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
@@ -204,7 +211,8 @@ namespace embree
           {
             x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
             reach[d] = slackOf(parameters[d])*place.patchQuads[d];
-            /* at edges of lower rates, parameters differ by up to one quad of these edges */
+            /* at edges of lower rates, vertices are stitched: their parameters differ by up to one quad of these
+             * edges */
             if (place.isCut)
               reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
@@ -230,7 +238,7 @@ namespace embree
             }
         }
 
-        /*! Bound of a parameter's rounding error. */
+        /*! Bound of a parameter's rounding error: a few roundings of values of at most 1 + |parameter|. */
         static double slackOf (float parameter) {
           return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter)));
         }
@@ -238,6 +246,7 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
+        /*! Keeps a triangle if it is the best so far. vertexU, vertexV: parameters at its vertices. */
         void addCandidate (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -264,7 +273,8 @@ namespace embree
           }
         }
 
-        /*! Angle between a triangle's normal and Ng, as 1 minus the squared cosine. */
+        /*! Returns the squared sine of the angle between a triangle's normal and Ng, in either direction; 2 if one of
+         *  them is zero. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -283,6 +293,7 @@ namespace embree
         const float* const Ng;
         StoredTriangle& best;
         bool hasBest = false;
+        /* slack: largest accepted distance from a triangle, in barycentric coordinates. bestCost: see addCandidate() */
         double slack = 0, bestCost = 0;
       };
     }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Triangles of a stored surface, other than for traversal. */
+/* Reads the triangles of a surface as they are stored, for core/stored_surface.h. Traversal does not use this code, but
+ * computes the same floats. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -21,7 +22,8 @@ namespace embree
 
   namespace cbvh
   {
-    /*! isFused: the tracing device fuses multiply-adds. */
+    /*! Time of rays, and how traversal interpolates vertices there. isFused: the device's intersectors use fused
+     *  multiply-adds. */
     struct TraversalTime
     {
       float time;
@@ -43,10 +45,11 @@ namespace embree
 
       uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
-      /*! True if each quad is a primitive. */
+      /*! True if each quad, or each of its two triangles, is a primitive: the block is of a quad or triangle mesh. */
       bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
+    /*! Finds the blocks that contain a primitive. Immutable, so threads may share it. */
     class BlockIndex
     {
     public:

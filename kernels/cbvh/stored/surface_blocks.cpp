@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled only for the lowest ISA of the library. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "surface_blocks.h"
 #include "../base/kinds.h"
@@ -17,12 +17,12 @@ namespace embree
   {
     namespace
     {
-      MutexSys mutex;                    //!< protects the following, and the blocks of geometries
+      MutexSys mutex;                    //!< protects the following, and SurfaceState::number and blocks
       /*! Numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;
-      std::set<uint32_t> fileNumbers;    //!< numbers of files in use
+      std::set<uint32_t> fileNumbers;    //!< numbers from files that are in use; from firstFileNumber
     }
 
     SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
@@ -55,7 +55,8 @@ namespace embree
         Lock<MutexSys> lock(mutex);
         if (geometry->surface.number) return geometry->surface.number;
       }
-      /* constructor and destructor of SurfaceNumber lock the mutex */
+      /* The mutex must not be locked here, because constructor and destructor of SurfaceNumber lock it. If another
+       * thread assigns a number meanwhile, this one is discarded. */
       std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>();
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.number == nullptr) geometry->surface.number = number;

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The blocks of a geometry and the tree above them. The geometry and each scene that traces it own them. Independent of
- * scenes and IDs. */
+/* The blocks of a geometry and the tree above them: the result of building/surface_builder.h or files/loaded_surface.h.
+ * Shared by the geometry and all scenes that trace it, and independent of scenes and geometry IDs. Immutable once
+ * built, except for `boxes` and the index. */
 
 #include "../base/block_memory.h"
 #include "../base/step_box.h"
@@ -29,9 +30,10 @@ namespace embree
     const uint64_t build;                              //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
-    /*! Parts of a scene's tree, which are blocks or trees of a few blocks: PrimRefs whose ID is a reference. */
+    /*! Parts over which scenes build their trees: blocks, or subtrees of a few blocks. Box and BVH4::NodeRef of
+     *  each. */
     mvector<PrimRef> parts;
-    /*! References to the blocks of a moving surface, which has no parts. Scenes build their trees over them. */
+    /*! BVH4::NodeRefs of the blocks of a moving surface, which has no parts. Scenes build their trees over them. */
     mvector<size_t> moving;
     /*! Boxes of moving blocks at their steps, block by block. Released after the first build; later users decode the
      *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
@@ -42,7 +44,7 @@ namespace embree
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! The first call builds the index. Thread-safe. */
+    /*! Returns the index for core::findTriangle(), which the first call builds. Thread-safe. */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -54,16 +56,17 @@ namespace embree
     /*! True if one of a scene's moving, or static, surfaces is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
-    /*! Thread-safe. */
+    /*! Sets scene->surfaceIDs, which maps the numbers of the scene's surfaces to geometry IDs. Thread-safe. */
     void updateSurfaceIDs (Scene* scene);
 
-    /*! The first call assigns the number. Thread-safe. */
+    /*! Returns the surface number of a geometry. The first call assigns it. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
-    /*! Null if they must be built. */
+    /*! Returns the blocks of a geometry, or null if they must be built. Thread-safe. */
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
-    /*! Sets the blocks unless another scene already did. Returns the geometry's blocks. */
+    /*! Sets the blocks of a geometry, unless another scene that was built concurrently already did. Returns the
+     *  geometry's blocks. Thread-safe. */
     std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
                                                      const std::shared_ptr<const SurfaceBlocks>& blocks);
   }

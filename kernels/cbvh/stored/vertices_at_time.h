@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cVERT or mesh block at a time: the floats of traversal. */
+/* Vertices of a cVERT or mesh block at the time of a ray: the same floats that traversal computes, but for one block
+ * and without vectors. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
@@ -16,13 +17,14 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! As vert/interpolation.h for vectors. */
+    /*! Interpolates between two steps, rounding as vert/interpolation.h does for vectors. f: 0 to 1. */
     inline float interpolated (float a, float b, float f, bool isFused)
     {
       const float last = f*b;
       return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
     }
 
+    /*! All vertices of a cVERT block, row by row. The block must exist at that time. */
     class VerticesAtTime
     {
     public:
@@ -52,6 +54,7 @@ namespace embree
       }
     };
 
+    /*! Groups of triangles of a mesh block, decoded on request. */
     class MeshAtTime
     {
     public:

@@ -34,7 +34,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Chooses a primitive's lattice from samples of its vertices. */
+    /*! Chooses a primitive's lattice at one time step, from samples of its vertices: a finer one where edges are
+     *  short. */
     class LatticeChoice
     {
     public:
@@ -42,15 +43,16 @@ namespace embree
        *  vertices. */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
-      /*! quads: along u and v. */
+      /*! Call it once per patch. quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! isCoarse: the border's rate is below its patch's. */
+      /*! Adds a row or column of vertices. isCoarse: a border whose rate is lower than its patch's, so its edges are
+       *  longer than the patch's quads; used only if there are no others. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! diagonal: of the geometry's bounds. */
+      /*! Returns the exponent of the lattice's spacing. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
@@ -68,7 +70,9 @@ namespace embree
       double edge () const { return medianEdge; }
 
     private:
-      /*! The requested spacing, or the default. */
+      /*! Returns the spacing that max_error or maxPixelError requests, or the default. For maxPixelError, the distance
+       *  from the camera is that of the samples' bounding box, enlarged by a quarter per side for vertices between
+       *  samples. */
       double requestedSpacing (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -87,7 +91,7 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // the application's bound is for leaves
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // cLEAF: max_error is for leaves
         return spacing < INFINITY ? spacing : byDefault;
       }
 
@@ -97,13 +101,15 @@ namespace embree
       unsigned fewest[2] = { ~0u,~0u };
     };
 
+    /*! Lattices of all primitives, and of the elements that they share. */
     class BorderLattices
     {
     public:
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Regularly calls progress(), which may throw to cancel. */
+      /*! Chooses the lattices of all primitives. Call it before share(). Regularly calls progress(), which may throw to
+       *  cancel. */
       template<typename Topology, typename Progress>
       void choose (Topology& topology, size_t perTask, const Progress& progress)
       {
@@ -155,10 +161,10 @@ namespace embree
 
       void clear () { own.clear(); shared.clear(); }
 
-      /*! exactLattice without vertices. */
+      /*! Exponent of a primitive's lattice; exactLattice if it has no vertices at that step. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
-      /*! exactLattice if the element is on no lattice. */
+      /*! Exponent of an element's lattice; exactLattice if GRID traces one of its primitives. */
       int ofShared (size_t element, unsigned step) const
       {
         const int exponent = shared[element*plan.numTimeSteps + step];
@@ -166,7 +172,7 @@ namespace embree
       }
 
     private:
-      enum { ofGrid = 127 }; //!< stands for no lattice; greater than all exponents
+      enum { ofGrid = 127 }; //!< for no lattice, because GRID traces a primitive; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {
@@ -185,6 +191,7 @@ namespace embree
         return bounds.empty() ? 0.0 : length(bounds.size());
       }
 
+      /*! Atomic maximum. */
       static void raise (int8_t& exponent, int8_t value)
       {
         const cbvh::AtomicRef<int8_t> at(exponent);

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* Borders of the faces of a cage, by the rule in shared_border.h. Faces evaluate a vertex some ulps apart, and far
- * apart where normals differ or a height map jumps. cage_topology.h finds the owners.
+/* Vertices on the borders of the faces of a cage, by the rule in shared_border.h. Two faces evaluate a shared vertex
+ * some units in the last place (ulps) apart, and far apart where normals differ or a height map jumps. cage_topology.h
+ * finds the owners.
  *
- * An n-gon has a patch at each corner. It owns its center and the spokes from there to the middles of its edges, which
- * only its patches share.
+ * An n-gon (a face without four corners) has a patch at each corner. It owns its center and the spokes from there to
+ * the middles of its edges, which only its patches share.
  *
  * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Points of
  * edges use 12 bytes each until the build ends. Evaluating the border of a small patch costs as much as the whole
@@ -43,14 +44,15 @@ namespace embree
         lattices.share(*this,2*topology.numHalfEdges(),facesPerTask,progress);
       }
 
+      /*! Exponent of the spacing of a face's lattice. */
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! A patch's vertices, row by row, or null if they were not kept. */
+      /*! Returns a patch's evaluated vertices, row by row, or null if the surface is too large to keep them. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! s: side, in the order of PatchOfFace::rate. */
+      /*! Returns the shared vertices along a side of a patch. s: side, in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
@@ -117,15 +119,16 @@ namespace embree
       }
 
     private:
-      static const size_t maxKept = 1 << 15; //!< limit for all time steps together
-      static const size_t fewVertices = 9*9;  //!< in patches whose lines cost as much as the patch
+      static const size_t maxKept = 1 << 15; //!< vertices of all time steps together; 12 bytes each
+      static const size_t fewVertices = 9*9;  //!< evaluating the lines of so small a patch costs as much as all of it
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
       static size_t cornerElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.cornerOwner); }
       static size_t edgeElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.owner) + 1; }
 
-      /* Points of a half-edge: its corner and edge if it owns them, then its spoke. The center follows the face's last
-       * half-edge. */
+      /* `points` lists, for each half-edge in order: its corner and the interior of its edge if it owns them, then its
+       * spoke. The center of an n-gon follows the points of its last half-edge. centerPoint() of any other half-edge is
+       * the end of its points. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
@@ -137,6 +140,7 @@ namespace embree
       float* point (size_t i, unsigned step) { return points.data() + 3*(step*numPoints + i); }
       const float* point (size_t i, unsigned step) const { return points.data() + 3*(step*numPoints + i); }
 
+      /*! Assigns indices of `points`. */
       void placePoints ()
       {
         cbvh::resizeToFit(firsts,topology.numHalfEdges());
@@ -146,7 +150,7 @@ namespace embree
               numPoints = centerPoint(h) + (!isQuad(h) && h->next() == mesh->getHalfEdge(0,f));
             });
         cbvh::resizeToFit(points,3*numPoints*plan.numTimeSteps);
-        if (plan.moves()) // no face evaluates all of them
+        if (plan.moves()) // a face without a surface at a step does not set its points
           std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
@@ -175,7 +179,7 @@ namespace embree
         return size_t(size.x)*size_t(size.y);
       }
 
-      /*! First of a patch's vertices in `kept`. */
+      /*! Index in `kept` of a patch's first vertex. */
       size_t firstOf (size_t face, int subPatch) const {
         return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }
@@ -199,7 +203,8 @@ namespace embree
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
-        /* k: counted around the patch. Keeps the line's first vertex that is stitched to k. */
+        /* Stores vertex k of the side, counted around the patch, as point i: the line's first vertex that is stitched
+         * to k. */
         auto keep = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
@@ -242,7 +247,7 @@ namespace embree
         return side;
       }
 
-      /*! Between the middle of an n-gon's edge and its center. */
+      /*! The side of an n-gon's patch between the middle of edge h and the center of the face. */
       CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);
@@ -267,7 +272,7 @@ namespace embree
       mvector<size_t> firsts;            //!< index of the first point, by half-edge
       mvector<float> points;             //!< points, step by step
       mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty unless the surface is small
-      mvector<float> kept;               //!< of a small surface, step by step
+      mvector<float> kept;               //!< all vertices of a small surface, step by step
     };
   }
 }

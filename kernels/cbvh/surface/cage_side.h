@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices along a side of a cage's patch: an edge, half of an n-gon's edge, or a spoke. */
+/* Shared vertices along a side of a cage's patch: an edge, half of an n-gon's edge, or a spoke (cage_borders.h). */
 
 #include "shared_border.h"
 
@@ -14,12 +14,12 @@ namespace embree
     struct CageSide
     {
       SharedVertex begin, end;
-      const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
+      const float (*interior)[3]; //!< rate-1 positions in the owner's direction; owned by CageBorders
       bool reversed;              //!< the side runs against the owner's direction
       int exponent;               //!< the spacing of the interior's lattice is 2^exponent
       unsigned rate;              //!< quads along the side
 
-      /*! k: 0 to rate, counted around the patch. */
+      /*! Returns vertex k, from 0 to rate, counted around the patch. */
       SharedVertex operator[] (unsigned k) const
       {
         if (k == 0) return begin;
@@ -27,9 +27,9 @@ namespace embree
         return SharedVertex(interior[(reversed ? rate-k : k) - 1],exponent);
       }
 
-      /*! A half of an n-gon's edge. Embree gives such an edge an even rate in both faces. On an edge of three faces, a
-       *  quad's rate can be odd: the n-gon then uses the vertex before the middle, as in Embree's stitching; if the
-       *  rate is 1, the first half is a point. */
+      /*! Returns a half of an n-gon's edge: the first (0) or second (1), counted around the face. Embree gives such an
+       *  edge an even rate in both faces. On an edge of three faces, a quad's rate can be odd: the n-gon then uses the
+       *  vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Finds the owners and rates of a cage's edges and corners. shared_border.h defines owner, rate and claim, and has the
- * rule. A face participates if it has a surface at any time step.
+/* Finds the owners and rates of a cage's edges and corners, for cage_borders.h. shared_border.h defines owner, rate and
+ * claim, and has the rule. A face participates if it has a surface at any time step.
  *
  *          face A             A and B claim the edge. A corner x is claimed by all faces around it
  *    x----o----o----o----x    that can be reached from A or B by crossing edges. The number of a
@@ -135,7 +135,8 @@ namespace embree
       }
 
       /*! Calls closure for e, and for all half-edges at the same vertex that belong to participating faces and can be
-       *  reached by crossing edges. At a border it first goes around one way, then the other. */
+       *  reached by crossing edges. If the vertex is on a border of the cage, it visits one direction, then the
+       *  other. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Warns of a max_error as large as the quads: their vertices coincide, and pictures get speckles. */
+/* A warning for a max_error that is as large as the quads: their vertices would coincide, and pictures get speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Fraction of an edge at which quads start to flip. */
+    /*! Spacing, as a fraction of an edge, at which the first quads flip. */
     static const double coarseSpacing = 0.5;
 
     /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge:

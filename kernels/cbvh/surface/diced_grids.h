@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Grids that an application diced: a grid geometry's grids, or a mesh's regions (quad_regions.h). GridSource
- * (building/grid_source.h) makes patches of them. Both classes have these members, all thread-safe:
+/* Grids that an application diced: a grid geometry's grids (GridsOfGridMesh), or regions of a quad or triangle mesh
+ * (GridsOfRegions, quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both classes have these
+ * members, all thread-safe:
  *
  *   typedef Mesh, Grid
  *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object.
@@ -40,7 +41,8 @@ namespace embree
   {
     static_assert(minGridSide == QuadRegions::minRegionSide,"minGridSide must equal QuadRegions::minRegionSide");
 
-    /*! Vertices: has width and height, in vertices, and vertex(x,y), a vertex's number in the geometry's buffer. */
+    /*! The vertices of one grid. Vertices: has width and height, in vertices, and vertex(x,y), a vertex's index in the
+     *  geometry's buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
     {
@@ -48,7 +50,8 @@ namespace embree
 
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
-      /*! k: counted around the grid. s: in the order of SurfacePatch::rate. */
+      /*! Returns vertex k of side s. Vertices are counted around the grid, sides are in the order of
+       *  SurfacePatch::rate. */
       size_t onSide (int s, unsigned k) const
       {
         switch (s) {
@@ -85,7 +88,7 @@ namespace embree
 
       bool isValid (size_t i) const { return i < mesh->grids.size() && hasQuads(i) && isInBuffer(i); }
 
-      /*! Grids without quads are no errors, as in Embree, whose programs rely on that. */
+      /*! Grids without quads are not errors: Embree accepts them, and existing programs rely on that. */
       bool isError (size_t i) const { return i >= mesh->grids.size() || (hasQuads(i) && !isInBuffer(i)); }
 
       const float* position (size_t vertex, unsigned step) const {
@@ -109,7 +112,7 @@ namespace embree
       const GridMesh* mesh;
     };
 
-    /*! Quads: QuadsOfMesh or PairsOfMesh. */
+    /*! The regions of a mesh. Quads: QuadsOfMesh or PairsOfMesh (quad_regions.h). */
     template<typename MeshType, typename Quads, size_t (*bytesOfQuad)(unsigned numTimeSteps)>
     class GridsOfRegions
     {
@@ -154,7 +157,7 @@ namespace embree
         return true;
       }
 
-      /*! Embree skips quads with wrong vertices silently. */
+      /*! Embree skips quads with invalid indices without an error. */
       static bool isError (size_t) { return false; }
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {

@@ -7,8 +7,8 @@
 
 namespace embree
 {
-  /*! A camera, and the size of quads in its picture. Includes nothing of Embree. In world space unless stated
-   *  otherwise. */
+  /*! A camera, and the requested size of quads in its picture: RTCDicingArguments without structSize. In world space
+   *  unless stated otherwise. Independent of Embree, for interfaces outside of libembree3. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };
@@ -17,12 +17,12 @@ namespace embree
     bool orthographic = false;         //!< the picture does not depend on `position`
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
-    /*! In pixels. 0: everything is inside of the picture; direction and up are ignored. */
+    /*! Size of the picture in pixels. 0: all points count as inside of the picture; direction and up are ignored. */
     float width = 0, height = 0;
     /*! Object to world space: 12 floats, column by column. Null: identity. */
     const float* transform = nullptr;
     float quadSize = 1;                //!< approximate edge length in pixels; greater than 0
-    /*! Factor of quad sizes far outside of the picture and behind the camera. At least 1. */
+    /*! Quads far outside of the picture and behind the camera are larger by this factor. At least 1. */
     float outsideFactor = 8;
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
     const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs, at one point per four quads. */
+/* Measures how many quads a patch needs, for core/dicing.cpp. Evaluates and displaces a grid of sample points, about
+ * one per four quads along each side. */
 
 #include "dicing_view.h"
 
@@ -19,7 +20,7 @@ namespace embree
      *  rounded. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
-      const unsigned fewest = 2, most = 64;
+      const unsigned fewest = 2, most = 64; // cells per side
       for (unsigned n=fewest; ; )
       {
         sample(primID,step,u0,v0,n);
@@ -33,11 +34,11 @@ namespace embree
     }
 
   private:
-    /*! Row by row. */
+    /*! Sets `points` to (n+1) x (n+1) displaced points of the patch in world space, row by row. */
     void sample (unsigned primID, unsigned step, float u0, float v0, unsigned n)
     {
       const unsigned count = (n+1)*(n+1), padded = (count+15) & ~15u;
-      values.resize(14*size_t(padded));
+      values.resize(14*size_t(padded)); // u, v, and the components of P, dPdu, dPdv and N
       faces.assign(padded,primID);
       float* a = values.data();
       float *u = a, *v = a+padded, *P = a+2*padded, *dPdu = a+5*padded, *dPdv = a+8*padded, *N = a+11*padded;
@@ -121,7 +122,7 @@ namespace embree
         }
     }
 
-    static constexpr double maxSquared = 1e38;
+    static constexpr double maxSquared = 1e38; //!< square roots are far above all rates, and representable as floats
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

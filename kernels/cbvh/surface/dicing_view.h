@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Measures sizes in pixels, as a camera sees them and as if seen from the front. Computes in doubles: squares of
- * lengths in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
+/* Measures lengths in pixels, for dicing_samples.h: at their distance from a camera, but as if seen from the front.
+ * Computes in doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -50,9 +50,9 @@ namespace embree
         m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
     }
 
-    /*! Quads of the requested size per unit of length, on a cell with these corners; infinite at the eye. Uses the
-     *  point of the cell's borders and diagonals that is nearest to the eye, and the point of the ball around the cell
-     *  that is nearest to the picture. */
+    /*! Returns the number of quads of the requested size per unit of length, on a cell with these corners; infinite at
+     *  the eye. The distance is that of the nearest point on the cell's borders and diagonals. The quads' growth
+     *  outside of the picture is that of the nearest point of a ball around the cell. */
     double quadsPerUnit (const Double3 corners[4]) const
     {
       const Double3 center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
@@ -67,6 +67,7 @@ namespace embree
     }
 
   private:
+    /*! Squared distance of the eye from the segment from a to b. */
     double squaredDistance (const Double3& a, const Double3& b) const
     {
       const Double3 d = b-a, e = eye-a;
@@ -75,7 +76,8 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. It grows continuously with the distance from the picture, so that
-     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border. */
+     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border. 1.15 is the
+     *  reciprocal of the sine of 60 degrees. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
@@ -94,8 +96,8 @@ namespace embree
     double pixelSize, outside;
     bool hasPicture;
     double transform[12];
-    double size = 0.0;
+    double size = 0.0;    //!< half of the picture's longer side, in world units at distance 1
     Double3 normals[4];   //!< normals of the picture's borders, outwards
-    double offsets[4];
+    double offsets[4];    //!< distances of the borders from the eye along the normals; 0 in perspective
   };
 }

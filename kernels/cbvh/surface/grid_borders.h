@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Borders of grids and of regions of meshes, by the rule in shared_border.h. Grids have no topology: they share border
- * vertices with the same index, or with equal floats at all time steps (position_table.h). Owners have the same
- * positions, so only lattices must be chosen.
+/* Vertices on the borders of diced grids, by the rule in shared_border.h. Grids have no topology: two grids share a
+ * border vertex if it has the same index, or equal floats at all time steps (position_table.h). All owners have the
+ * same position, so only lattices must be chosen.
  *
  * Lossless geometry shares nothing: its vertices stay in place. */
 
@@ -63,9 +63,11 @@ namespace embree
         stitched.clear();
       }
 
+      /*! Exponent of the spacing of a grid's lattice. */
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! A vertex on a grid's border. own: exponent of the grid's lattice. */
+      /*! Returns a vertex on a grid's border as all grids store it. vertex: index in the buffer. own: exponent of the
+       *  grid's lattice. */
       SharedVertex shared (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
@@ -77,7 +79,7 @@ namespace embree
         return SharedVertex(onEdge,cbvh::exactLattice);
       }
 
-      /*! Stored position of a vertex. For meshes with one time step. */
+      /*! See StoredBorders. Only for meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
@@ -87,7 +89,7 @@ namespace embree
         return true;
       }
 
-      /*! For PositionTable. NaNs are equal. */
+      /*! For PositionTable. Two NaNs count as equal. */
       bool areEqualAtOtherSteps (size_t a, size_t b) const
       {
         for (unsigned step=1; step<plan.numTimeSteps; step++) {
@@ -98,7 +100,8 @@ namespace embree
         return true;
       }
 
-      /*! For StitchedVertices: the entries at the ends of each border edge, unless its length is 0. */
+      /*! For StitchedVertices: calls closure for each edge between two border vertices, with the entries of its ends.
+       *  Skips edges of length 0. */
       template<typename Closure>
       void forBorderEdges (size_t i, const Closure& closure) const
       {
@@ -156,6 +159,7 @@ namespace embree
       typedef PositionTable<GridBorders> Table;
       typedef typename Table::Entry Entry;
 
+      /*! Calls closure for each border vertex once. */
       template<typename Closure>
       static void forBorder (const Grid& grid, const Closure& closure)
       {
@@ -166,7 +170,7 @@ namespace embree
       const Grids grids;
       const CompressionPlan& plan;
       BorderLattices lattices;
-      Table table;                            //!< on borders; empty for a single grid
+      Table table;                            //!< vertices on borders; empty if nothing is shared
       StitchedVertices<GridBorders> stitched;
     };
   }

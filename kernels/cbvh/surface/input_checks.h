@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Checks of buffers before Embree or the kernels read them. All throw rtcore_error, naming the first wrong value. */
+/* Checks of the application's buffers before Embree or our builders read them. Embree checks few of them. All functions
+ * throw rtcore_error, naming the first invalid value. */
 
 #include "../embree/scene.h"
 
@@ -32,7 +33,7 @@ namespace embree
   /*! Throws if a face refers to missing indices or vertices. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws if a side has more vertices than Embree's kernel can count in 15 bits. */
+  /*! For uncompressed grids. Throws if a side has more than 32767 vertices, which Embree's kernel counts in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
   /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions. */

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The triangles of a mesh that are in no grid, stored in mesh blocks (vert/mesh_writer.h) on one lattice per time step.
- * The lattice's exceptions are found before any block is encoded, so that blocks agree on shared vertices. */
+/* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks, whose vertices
+ * are on one lattice per time step. Vertices of triangles that the lattice would flip are exceptions, on finer
+ * lattices. They are found before any block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -19,7 +20,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Triangles by number. Embree splits quad primID into triangles 2 primID and 2 primID + 1. */
+    /*! The triangles of a triangle or quad mesh, by number. Triangle i of a triangle mesh is primitive i. Triangles 2 i
+     *  and 2 i + 1 are the halves of quad i, split like in Embree. */
     class TrianglesOfMesh
     {
     public:
@@ -48,7 +50,7 @@ namespace embree
         return corners(triangle,out,numbers);
       }
 
-      /*! numbers: receives the vertices' numbers. */
+      /*! Also sets `numbers` to the indices of the corners in the vertex buffer. */
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
@@ -84,17 +86,20 @@ namespace embree
       const size_t stride;
     };
 
-    /*! Stored positions of border vertices of grids, for adjacent triangles. */
+    /*! The border vertices of grids as they are stored. Triangles that share them use the same floats, which closes the
+     *  gap between grids and mesh blocks. */
     class StoredBorders
     {
     public:
-      /*! Returns false if the vertex is on no border. vertex: must be finite. */
+      /*! Sets out to the stored position of a vertex. Returns false if the vertex is on no border. vertex: index in the
+       *  buffer; its position must be finite. */
       virtual bool find (size_t vertex, float out[3]) const = 0;
 
     protected:
       ~StoredBorders () {}
     };
 
+    /*! After prepare(), threads may call const members at the same time. */
     class IrregularTriangles
     {
     public:
@@ -203,6 +208,7 @@ namespace embree
         return ids[0] == ids[1] || ids[1] == ids[2] || ids[2] == ids[0];
       }
 
+      /*! Bounds of a primitive's vertices at the first step, before they are snapped. */
       void bound (uint32_t primitive, float lower[3], float upper[3]) const
       {
         const float* p[6];
@@ -224,6 +230,7 @@ namespace embree
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
+      /*! Result of a task of prepare(). */
       struct Found
       {
         size_t count = 0, numInvalid = 0;
@@ -233,6 +240,7 @@ namespace embree
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
+      /*! Chooses a spacing from the edges of a sample of triangles. */
       int chooseExponent ()
       {
         LatticeChoice choice(cbvh::spacingOfMeshEdge);
@@ -253,8 +261,9 @@ namespace embree
         return exponent;
       }
 
-      /*! True if a lattice flips more than half of a sample. A block has the finest spacing of its vertices, so hardly
-       *  any block is larger on a finer lattice, and finding exceptions takes longer than the rest of the build. */
+      /*! True if a lattice flips more than half of a sample of triangles. prepare() then uses a finer lattice for all
+       *  of them: finding so many exceptions would take longer than the rest of the build. Hardly any block becomes
+       *  larger, because a block with exceptions has the finest spacing of its vertices anyway. */
       bool flipsMost (int exponent) const
       {
         const cbvh::MeshLattice lattice(exponent);
@@ -268,6 +277,7 @@ namespace embree
         return 2*flipped > samples;
       }
 
+      /*! Finds the primitives of a task that rays can hit, and writes their centers. */
       void find (size_t task, Found& out)
       {
         const size_t begin = task*perTask, end = min(begin+perTask,numPrimitives());
@@ -306,8 +316,8 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find flipped
-       *  triangles; one thread changes the lattices, in a fixed order. */
+      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find
+       *  flipped triangles; one thread changes the lattices, in a fixed order. */
       template<typename Progress>
       void refineUntilNoneFlips (std::vector<Found>& found, const Progress& progress)
       {
@@ -358,7 +368,8 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Primitives that can be hit. Set by prepare(); users reorder them. */
+      /*! Primitives that can be hit, with the centers of their bounds. Set by prepare(). Users reorder them to
+       *  cluster. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

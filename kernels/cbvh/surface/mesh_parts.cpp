@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "mesh_parts.h"
 #include "embree_bytes.h"
@@ -62,7 +62,8 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! A moving mesh is stored entirely in grids, or entirely in mesh blocks. */
+    /*! A moving mesh is stored entirely in grids, if these are estimated to need at most three quarters of the bytes
+     *  that Embree needs, or otherwise entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

@@ -3,13 +3,14 @@
 
 #pragma once
 
-/* Divides meshes into grids (quad_regions.h) and mesh blocks for all other primitives (irregular_triangles.h). */
+/* Divides a quad or triangle mesh into regions that form grids (quad_regions.h), and irregular primitives, which are
+ * stored in mesh blocks (irregular_triangles.h). The commit of the geometry does this; the build of blocks uses it. */
 
 #include "quad_regions.h"
 
 namespace embree
 {
-  /*! Never null. */
+  /*! Finds the parts of a mesh. Never null. Throws std::bad_alloc. */
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Evaluates vertices of a cage's patch with the parameters and operations of Embree's GRID (subdivpatch1base_eval.cpp),
- * which makes the floats equal. All vertices of a part are evaluated at once: irregular patches are subdivided once,
- * and the displacement function is called once. Edges of lower rates are stitched as in Embree. */
+/* Evaluates and displaces vertices of a cage's patch. It uses the parameters and operations of Embree's GRID
+ * (subdivpatch1base_eval.cpp), so that the results are the same floats. All vertices of a part are evaluated at once:
+ * irregular patches are subdivided once, and the displacement function is called once. Edges of lower rates are
+ * stitched as in Embree. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -19,7 +20,8 @@ namespace embree
     public:
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! quadsX, quadsY: of the whole patch, at least its edges' rates. */
+      /*! Evaluates a part of a patch, including its last row and column. quadsX, quadsY: size of the whole patch, at
+       *  least its edges' rates. */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
                      const PatchPart& part)
       {
@@ -27,7 +29,7 @@ namespace embree
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // allows full-width stores
-        arrays.reserve(8*stride+16); // otherwise vectors grow to a power of two
+        arrays.reserve(8*stride+16); // 16 floats for alignment, see array(); resize alone would grow to a power of two
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
         float* N[3] = { array(3), array(4), array(5) };
@@ -44,14 +46,14 @@ namespace embree
       }
 
     private:
-      /*! width, height: of the whole patch. */
+      /*! A part, and the vertices of the whole patch along u and v. */
       struct Range
       {
         unsigned width, height;
         PatchPart part;
       };
 
-      /*! Aligned for full-width loads, unlike mvector. */
+      /*! Array i of `arrays`, aligned to 64 bytes for full-width loads, unlike the memory of mvector. */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
@@ -80,7 +82,8 @@ namespace embree
         }
       }
 
-      /*! Embree's stitchUVGrid() would stitch columns of a part to the rates of the opposite edges. */
+      /*! Moves parameters on edges of lower rates to the vertices of these edges. Replaces Embree's stitchUVGrid(),
+       *  which would stitch columns of a part to the rates of the opposite edges. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -141,7 +144,7 @@ namespace embree
       bool stitched = false;      //!< an edge has a lower rate than the patch
     };
 
-    /*! Rows and columns of a patch, evaluated one by one, or copied from all vertices. */
+    /*! Rows and columns of a patch. Evaluates each on request, or evaluates the whole patch once and copies from it. */
     class PatchLines
     {
     public:

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Vertices of a patch or its part, row by row, before and after displacement. */
+/* Vertices of a patch or a part of it, row by row, before and after displacement: the result of Patch::evaluate()
+ * (source.h). Memory of a task, which is reused for each patch. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/vertices4.h"
@@ -13,7 +14,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! x0 to x1 along u and y0 to y1 along v, inclusive. */
+    /*! A rectangle of vertices of a patch: x0 to x1 along u and y0 to y1 along v, inclusive. */
     struct PatchPart { unsigned x0, x1, y0, y1; };
 
     class PatchVertices
@@ -38,6 +39,7 @@ namespace embree
         memcpy(displaced(),vertices,count*sizeof(*vertices));
       }
 
+      /*! Sets all vertices to NaN, for patches without a surface at a time step. */
       void setInvalid (const PatchPart& part)
       {
         setSize(part);

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* The patches of a face: the face itself if it has four corners, otherwise one per corner. */
+/* The patches of a cage's face, before they are evaluated: the face itself if it has four corners, otherwise one per
+ * corner. Also determines which faces Embree can evaluate. */
 
 #include "../embree/scene.h"
 
@@ -11,7 +12,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! For a face without edges, Embree returns a half-edge of the next face. */
+    /*! Call it before getHalfEdge(): for a face without edges, Embree returns a half-edge of the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
     /*! True if the face has a surface at any time step. */
@@ -43,7 +44,7 @@ namespace embree
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
-    /*! first: the face's first half-edge. */
+    /*! True if Embree can evaluate a face. first: the face's first half-edge. corners: their number. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
       if (corners < 3) return false; // the only corner has no next edge
@@ -62,12 +63,13 @@ namespace embree
       return true;
     }
 
-    /*! Known before a patch is evaluated. */
+    /*! Arguments of Embree's SubdivPatch1Base, which make() constructs. The pointers are valid during the call of
+     *  forEachPatch's closure. */
     struct PatchOfFace
     {
       const Vec2f* uv;         //!< face parameters of the 4 corners
-      const int* subdiv;
-      const float* edgeLevel;
+      const int* subdiv;       //!< per edge: 1 if the rate must be even, because the adjacent face is not a quad
+      const float* edgeLevel;  //!< level per edge: the application's, or half of it for patches of n-gons
       int subPatch;            //!< corner of the face; 0 for four-cornered faces
       float rate[4];           //!< of the edges v = 0, u = 1, v = 1, u = 0
 
@@ -76,6 +78,7 @@ namespace embree
       }
     };
 
+    /*! Calls closure(const PatchOfFace&) for each patch, in the order of corners. The face must have edges. */
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {
@@ -96,7 +99,8 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Sides where the surface ends or is creased, or where the patch has so few quads that it may bend as much. */
+    /*! Returns a bit mask of the sides where the surface ends or is creased, or where the patch has so few quads that
+     *  it may bend as much. There, the encoder of cLEAF checks how far leaves extend past the surface. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

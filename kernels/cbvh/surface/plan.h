@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Settings of all patches of a geometry. Diced or moving geometry is always cVERT. */
+/* How the patches of a geometry are stored, derived from its compression settings (state/settings.h). Diced and moving
+ * geometry is always stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -19,6 +20,7 @@ namespace embree
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
 
+      /*! number: surface number. */
       CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
         : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
           numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
@@ -28,7 +30,8 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! For a moving geometry that requests compression. */
+      /*! True if a moving geometry that requests compression is compressed. It is always stored as cVERT, so a request
+       *  for another kind counts only if fallback faces are allowed. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
@@ -39,10 +42,10 @@ namespace embree
 
       bool isLossless () const { return kind() == cbvh::Kind::VERT && settings.maxError == 0.0f; }
 
-      /*! Undefined unless compresses(). */
+      /*! Kind of the blocks. Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! fallback_faces: patches that frames represent badly become cVERT. */
+      /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
       bool hasFallbackFaces () const {
         return compresses() && kind() == cbvh::Kind::LEAF && settings.fallbackFaces != 0;
       }
@@ -50,6 +53,7 @@ namespace embree
       /*! True if faces use their owners' border vertices. */
       bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasFallbackFaces()); }
 
+      /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
 
       /*! True if max_error determines frame levels. */
@@ -60,6 +64,8 @@ namespace embree
 
       /*! Embree's GRID, blocks with frames, or cVERT. */
       enum Storage { GRID, FRAMED, VERT };
+      /*! Selects the storage of a patch by the rates of its edges. Blocks with frames support 256 quads per side, cVERT
+       *  supports 4096. */
 
       Storage storage (const float rate[4]) const
       {
@@ -71,9 +77,9 @@ namespace embree
         return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
-      /*! Without max_error. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly so, in all
-       *  measurements (docs/paper.md). Smaller blocks are hardly faster, and their frames cost more than their leaves
-       *  save. Larger blocks save little and are slower. */
+      /*! Frame level for a patch of 2^level quads per side, if no max_error determines it. Blocks of 16 x 16 quads
+       *  minimize the product of bytes and time, or nearly so, in all measurements (docs/paper.md). Smaller blocks are
+       *  hardly faster, and their frames cost more than their leaves save. Larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

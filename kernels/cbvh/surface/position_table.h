@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. Threads may add
- * vertices concurrently. */
+/* Hash table of vertices by position, with open addressing, for GridBorders and StitchedVertices. Vertices that are
+ * equal floats at all time steps have one entry. Threads may add vertices concurrently. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"
@@ -15,18 +15,18 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for two
-     *  vertices that are equal there. */
+    /*! Positions: has position(vertex), which is finite and the position at the first time step, and
+     *  areEqualAtOtherSteps(a,b) for two vertices that are equal at the first step. */
     template<typename Positions>
     class PositionTable
     {
     public:
-      typedef uint32_t Entry;
+      typedef uint32_t Entry; //!< index of a slot; depends on the order in which threads add vertices
       static const Entry none = 0xFFFFFFFFu;
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! vertices: upper bound of different vertices. */
+      /*! Empties the table and makes room. vertices: upper bound of the number of different vertices. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
@@ -44,6 +44,7 @@ namespace embree
       bool isEmpty () const { return slots.empty(); }
       size_t size () const { return slots.size(); } //!< upper bound of entries
 
+      /*! Returns the entry of a vertex, and adds it if there is none. Thread-safe. */
       Entry add (const Positions& positions, size_t vertex)
       {
         const float* p = positions.position(vertex);
@@ -59,7 +60,7 @@ namespace embree
         }
       }
 
-      /*! `none` if there is no entry. */
+      /*! Returns `none` if there is no entry. Not while threads add vertices. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);
@@ -69,11 +70,13 @@ namespace embree
         return none;
       }
 
+      /*! Returns any vertex with the entry's position. The choice depends on the order of threads. */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! Added more than once. */
+      /*! True if the entry was added more than once: several grids, or a grid several times, have a vertex there. */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
+      /*! True if an entry was added only once. */
       bool hasUnshared () const
       {
         return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
@@ -88,7 +91,8 @@ namespace embree
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* A slot: vertex, three flags, and bits of the hash; 0 if free. */
+      /* A slot: 33 bits of vertex, three flags, and the upper 28 bits of the hash, which make most comparisons of
+       * positions unnecessary. 0 if free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Neighbors of a mesh's quads, as defined in quad_regions.h. */
+/* Finds the neighbors of a mesh's quads, as defined in quad_regions.h, from its index buffer. The first step of the
+ * search for regions. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -15,6 +16,7 @@
 
 namespace embree
 {
+  /*! Result of NeighborFinder. */
   struct QuadNeighbors
   {
     enum : unsigned { none = ~0u };
@@ -23,11 +25,12 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
     size_t numLeftOut = 0;
-    bool formsDiffer = false;                        //!< neighbors may have different forms
+    bool formsDiffer = false;                        //!< see cvert/format/quad_numbers.h and looksRegular()
 
     size_t size () const { return isValid.size(); }
   };
 
+  /*! Quads: QuadsOfMesh or PairsOfMesh. A quad "begins" at its corner v0. A table finds quads by that vertex. */
   template<typename Quads>
   class NeighborFinder
   {
@@ -35,7 +38,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Returns false, and finds no neighbors, if few quads of a sample are regular. */
+    /*! Finds the neighbors of all quads. Returns false, without neighbors, if few quads of a sample are regular. */
     bool run ()
     {
       if (!findCorners()) return false;
@@ -57,8 +60,8 @@ namespace embree
       unsigned form;
     };
 
-    /*! A quad that begins at the same vertex as a quad with a lower number, and a vertex that it shares with a
-     *  neighbor. */
+    /*! A quad that begins at the same vertex as a quad with a lower number, so that the table does not contain it.
+     *  first: that vertex. second: another vertex that it shares with a neighbor. */
     struct Other
     {
       unsigned first, second, quad;
@@ -88,8 +91,8 @@ namespace embree
       return out.formsDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies all corners, because they are visited repeatedly and in the order of neighbors. Returns false if a table
-     *  of their vertices would be much larger than the mesh. */
+    /*! Copies all corners, because they are visited repeatedly and in the order of neighbors. Returns false if no quad
+     *  is valid, or if the table of vertices would have more than 16 entries per quad. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
@@ -127,6 +130,7 @@ namespace embree
         });
     }
 
+    /*! Atomic minimum. */
     static void lower (unsigned& value, unsigned to)
     {
       const cbvh::AtomicRef<unsigned> slot(value);
@@ -134,6 +138,7 @@ namespace embree
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
+    /*! Fills the table `begins` and the lists of other quads. */
     void link ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
@@ -177,8 +182,9 @@ namespace embree
     bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
-    /*! True if at least a quarter of a sample of quads has right and upper neighbors that share a neighbor. Sets
-     *  formsDiffer if this holds for far more quads without regard to forms. */
+    /*! True if at least a quarter of a sample of quads is regular: their right and upper neighbors share a neighbor.
+     *  Sets formsDiffer if more than twice as many quads are regular when neighbors may have different forms. Numbers
+     *  of triangles must then fit into 30 bits, next to 2 bits for a turn. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "quad_regions.h"
 #include "../../cvert/format/block.h"
@@ -13,9 +13,10 @@ namespace embree
 {
   namespace
   {
-    /*! Finds regions. The first seeds are corners: quads without a free quad on the left or below. A region grows from
-     *  a seed to the right and up by a column or row at a time, as square as it can. Large regions are taken first, so
-     *  that a row of quads at a pole does not separate the columns above it.
+    /*! Finds regions greedily. The first seeds are corners: quads without a free quad on the left or below. A region
+     *  grows from a seed to the right and up by a column or row at a time, as square as it can. Large regions are taken
+     *  first, so that a row of quads at a pole does not separate the columns above it. A quad is free until a region
+     *  takes it.
      *
      *  Other seeds first move left and down until the next quad is not free. The position of a region is then the same
      *  for each of its quads as seed, and closed meshes, which have no corners, are filled too. */
@@ -24,6 +25,7 @@ namespace embree
     public:
       RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
+      /*! Takes all quads: regions of at least 16 quads per side first, then of minRegionSide, then all others. */
       void run ()
       {
         cbvh::resizeToFit(flags,neighbors.size());
@@ -47,6 +49,7 @@ namespace embree
        *  corners, all quads of such a region are marked, so that a pass visits each quad once, even in narrow
        *  strips. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
+      /*! EDGES: quads without a free quad on the left, or without one below. */
       enum Seeds { CORNERS, EDGES, ALL };
 
       bool isFree (unsigned quad) const { return quad != none && !(flags[quad] & TAKEN); }
@@ -60,7 +63,7 @@ namespace embree
         return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! side: minimum quads per side. */
+      /*! A pass: takes regions from all seeds. side: minimum quads per side. */
       void take (Seeds seeds, unsigned side)
       {
         pass++;
@@ -86,7 +89,7 @@ namespace embree
         return isTaken;
       }
 
-      /*! First quad of a quad's region; any quad of a ring. */
+      /*! Moves a seed left, then down, as far as quads are free. In a ring of quads it stops after one round. */
       unsigned moved (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -102,7 +105,7 @@ namespace embree
       bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
-      /*! False if the region is too small. */
+      /*! Grows a region from a seed and adds it. Returns false, and frees the quads, if it is too small. */
       bool grow (unsigned seed, unsigned side)
       {
         if (isMarked(seed)) return false;
@@ -172,7 +175,8 @@ namespace embree
         return true;
       }
 
-      /*! Steps that all seeds together may move, per quad. Prevents long walks along a strip from each of its quads. */
+      /*! Steps that all seeds together may move, per quad of the mesh. Otherwise each quad of a long strip could be a
+       *  seed that moves along the entire strip. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& neighbors;
@@ -186,8 +190,9 @@ namespace embree
       unsigned width = 0, height = 0;
     };
 
-    /*! firsts: first triangles of pairs; empty if all pairs are triangles 2i and 2i+1. Returns false if few triangles
-     *  of a sample have an adjacent partner. */
+    /*! Pairs triangles that follow each other in the index buffer. firsts: set to the first triangles of pairs; empty
+     *  if all pairs are triangles 2i and 2i+1. Returns false if less than half of a sample of triangles shares an edge
+     *  with the next or previous one. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
@@ -212,7 +217,7 @@ namespace embree
 
     typedef std::shared_ptr<QuadRegions> Found;
 
-    /*! Requires vertices and pairs of `out`. */
+    /*! Finds the regions for the welded vertices and pairs in `out`. */
     template<typename Mesh>
     void findRegions (const Mesh* mesh, QuadRegions& out)
     {
@@ -225,6 +230,7 @@ namespace embree
       RegionFinder(neighbors,out).run();
     }
 
+    /*! Finds regions of a quad mesh, or of a triangle mesh with pairs of consecutive triangles. */
     Found findIn (const QuadMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       const Found out = std::make_shared<QuadRegions>();
@@ -241,6 +247,7 @@ namespace embree
       return out;
     }
 
+    /*! Finds regions of a triangle mesh with pairs from anywhere in the index buffer. Null for quad meshes. */
     Found findInPairsAnywhere (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       const Found out = std::make_shared<QuadRegions>();
@@ -251,7 +258,7 @@ namespace embree
 
     Found findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
 
-    /*! At most 5% of the quads are irregular. */
+    /*! True if at most 5% of the quads are irregular. */
     bool areFewLoose (const QuadRegions& found)
     {
       const size_t few = 20;
@@ -276,6 +283,7 @@ namespace embree
       return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
     }
 
+    /*! Sets best to other if that needs fewer bytes. other: may be null. */
     template<typename Mesh>
     void chooseSmaller (const Mesh* mesh, Found& best, const Found& other)
     {
@@ -287,7 +295,7 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! Nearly all blocks are full, so little can be gained. */
+    /*! True if nearly all blocks are full, so that other regions could save at most 10%. */
     bool areBlocksNearlyFull (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
@@ -307,8 +315,10 @@ namespace embree
     size_t numQuadsOf (const QuadMesh* mesh) { return mesh->quads.size(); }
     size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
 
-    /*! Tries indices first, unless there are far more vertices than quads, then welded vertices. Welding does not
-     *  always need fewer bytes: an application may have numbered the quads of regions that it did not weld. */
+    /*! Finds regions by vertex indices and by welded vertices, and returns the smaller result. Tries indices first,
+     *  unless there are far more vertices than quads: then each quad may have its own vertices. Welding does not always
+     *  need fewer bytes: an application may have numbered quads region by region, without sharing vertices between
+     *  regions. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Regions of a mesh whose quads form a grid, found from connectivity alone. Vertices with the same position count as
- * one (welded_vertices.h). Quads are those of a quad mesh, or pairs of triangles that share an edge (triangle_pairs.h).
- * The corners v0 to v3 go around a quad. Embree splits it from v1 to v3, like the quads of grids:
+/* Regions of a mesh whose quads form a grid, found from connectivity alone. They are stored as grids, which need fewer
+ * bytes than mesh blocks. Vertices with the same position may count as one (welded_vertices.h). Quads are those of a
+ * quad mesh, or pairs of triangles that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
+ * splits it from v1 to v3, like the quads of grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
  *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
@@ -37,25 +38,27 @@ namespace embree
       }
 
       unsigned number (size_t quad) const { return unsigned(quad); } //!< primID of the quad
-      unsigned second (size_t quad) const { return unsigned(quad); }
+      unsigned second (size_t quad) const { return unsigned(quad); } //!< primID of its second triangle: the same
 
-      /*! See cvert/format/quad_numbers.h. */
+      /*! Form of the quad's number, 0 for quad meshes. See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
 
       unsigned cornersAndForm (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
+    /*! Pairs of triangles of a triangle mesh, as quads. A triangle without a partner is a pair whose second triangle is
+     *  the first one. */
     struct PairsOfMesh
     {
       const TriangleMesh* mesh;
       const WeldedVertices* welded;     //!< null if all vertices differ
-      const mvector<unsigned>* firsts;  //!< of pairs; null if pair i begins with triangle 2i
-      const mvector<unsigned>* seconds; //!< null if they follow the first ones
+      const mvector<unsigned>* firsts;  //!< first triangle of each pair; null if it is 2i for pair i
+      const mvector<unsigned>* seconds; //!< second triangle of each pair; null if it follows the first one
 
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
 
-      /*! number(pair) if there is no second triangle. */
+      /*! The second triangle of a pair; number(pair) if there is none. */
       unsigned second (size_t pair) const
       {
         if (seconds) return (*seconds)[pair];
@@ -65,7 +68,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10. Returns false if
+      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10, where the digits
+       *  are u and v. turns: set to the corners with which the triangles begin, see quad_numbers.h. Returns false if
        *  they share no edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
@@ -79,7 +83,7 @@ namespace embree
         return false;
       }
 
-      /*! Also checks that the vertices exist. */
+      /*! True if two triangles share an edge, and all their vertices exist. */
       bool areJoined (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], turns;
@@ -114,6 +118,8 @@ namespace embree
     };
   }
 
+  /*! The regions of a mesh, and its primitives that are in no region. Result of find(), which mesh_parts.cpp
+   *  completes. */
   struct QuadRegions
   {
     struct Region
@@ -131,7 +137,7 @@ namespace embree
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
     size_t numRegular = 0;                   //!< number of regions without irregular quads
-    cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
+    cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from the quad at its corner v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool formsDiffer = false;  //!< triangles of a region's quads begin at different corners
@@ -148,22 +154,24 @@ namespace embree
 
     bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
 
-    /*! Estimate with the tree's share. Ignores tables of numbers without a pattern. */
+    /*! Estimated bytes of the regions as grids, with their share of the tree. Ignores tables of numbers
+     *  without a pattern. */
     size_t bytesOfBlocks () const;
 
-    /*! bytesOfBlocks for a mesh with one time step: regions are in mesh blocks if those need fewer bytes. */
+    /*! Same for a mesh with one time step, whose regions are stored in mesh blocks if these need fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
-    /*! tables: bytes of the region's numbers if they have no pattern (bytesOfTables), or 0 to ignore them. */
+    /*! True if a region needs at most as many bytes in mesh blocks as in a grid. tables: result of bytesOfTables(), or
+     *  0 to ignore tables. */
     static bool isSmallerInMeshBlocks (const Region& region, size_t tables = 0);
 
-    /*! The bytes of its numbers decide whether the region is smaller in mesh blocks. */
+    /*! True if isSmallerInMeshBlocks() depends on `tables`. */
     static bool dependsOnNumbers (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
-    /*! Never null; without regions if a sample shows that the mesh is not regular. Uses all threads; the result is
-     *  independent of their number. */
+    /*! Finds the regions of a mesh. Never null; without regions if a sample shows that the mesh is not regular. Uses
+     *  all threads; the result is independent of their number. Throws std::bad_alloc. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
 
@@ -184,7 +192,8 @@ namespace embree
       return PairsOfMesh{ mesh,meshRegions.welded.get(),ofPairs(meshRegions.firsts),ofPairs(meshRegions.seconds) };
     }
 
-    /*! quads: result of quadsOf(). */
+    /*! Sets `out` to the numbers of a region's quads, from which the encoder finds a pattern. quads: result of
+     *  quadsOf(). */
     template<typename Quads>
     void numberRegion (const Quads& quads, const QuadRegions& meshRegions, size_t region, cbvh::QuadNumbers& out)
     {
@@ -208,7 +217,8 @@ namespace embree
       }
     }
 
-    /*! Bytes of a region's tables of numbers, if all blocks are like the first; 0 if its numbers have a pattern. */
+    /*! Estimated bytes of a region's tables of numbers, as if all its blocks were like the first one; 0 if the numbers
+     *  have a pattern. numbers, encoder: temporary memory. */
     template<typename Quads>
     size_t bytesOfTables (const Quads& quads, const QuadRegions& meshRegions, size_t region,
                           cbvh::QuadNumbers& numbers, cbvh::NumbersEncoder& encoder)

@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* The rule of shared borders.
+/* The rule of shared borders, which makes cVERT surfaces and fallback faces watertight.
  *
- * The primitives of a geometry, faces or grids, meet in edges and corners. Each evaluates its own vertices there and
- * has its own lattice: rays would pass through the gaps. Therefore all primitives store the same floats there, which
- * makes the surface watertight:
+ * The primitives of a geometry, faces or grids, share edges and corners. Each evaluates its own vertices there and has
+ * its own lattice, so rays would pass through gaps between them. Therefore all primitives store the same floats there:
  *
  * 1. Owner. One primitive owns a shared edge, and one owns a shared corner: the primitive with the smallest claim.
  *    Primitives that GRID traces come first, because GRID cannot use other vertices. Then the primitive with the fewest
@@ -36,17 +35,18 @@ namespace embree
 {
   namespace isa
   {
+    /*! A border vertex before it is rounded to its lattice. */
     struct SharedVertex
     {
-      float position[3]; //!< before rounding
+      float position[3]; //!< the owner's
       int exponent;      //!< exponent of its lattice, or exactLattice
 
       SharedVertex () {}
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! The smallest claim owns an edge or corner. rate: the edge's, less than 2^31; 0 for a corner, whose owner is
-     *  independent of rates. number: unique among the claims. */
+    /*! Encodes a claim (part 1 of the rule), so that claims compare as integers. rate: rate of the edge, less than
+     *  2^31; 0 for a corner, whose owner is independent of rates. number: unique among the claims. */
     inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
       return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
     }
@@ -57,7 +57,8 @@ namespace embree
       return (2*k*fine + coarse-1)/(2*coarse);
     }
 
-    /*! Vertex of an edge at rate `own` that is nearest to vertex k at `rate`, at most `own`. */
+    /*! Returns the vertex of an edge at rate `own` that is nearest to vertex k of the same edge at a lower or equal
+     *  rate. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
     /*! Replaces a part's vertices on the border of a patch of quadsX x quadsY quads by the shared vertices, rounded to

@@ -36,7 +36,7 @@
  *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
  *       0 to rate.
  *   int latticeExponent (unsigned step) const
- *       The lattice of the vertices that the patch does not share; exactLattice if they are not rounded.
+ *       Exponent of the lattice of the vertices that the patch does not share; exactLattice if they are not rounded.
  *
  * SOURCE. A class with
  *
@@ -87,7 +87,7 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned minGridSide = 4; //!< sides of grids have at least so many quads; other quads are loose
+    static const unsigned minGridSide = 4; //!< minimum quads per side of a mesh's grids; other primitives are loose
 
     struct SurfacePatch
     {
@@ -137,7 +137,7 @@ namespace embree
       template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0),aMutablePatch<S>())));
     }
 
-    /*! Otherwise a compiler message names each missing member. */
+    /*! True if S is a source. Otherwise a compiler message names each missing member. */
     template<typename S>
     constexpr bool isSource ()
     {

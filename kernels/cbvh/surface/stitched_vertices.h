@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Vertices that an application put onto edges of coarser grids: part 4 of the rule in shared_border.h.
+/* Vertices that an application put onto edges of coarser grids, so that there are no gaps between adjacent grids of
+ * different resolutions: part 4 of the rule in shared_border.h. Rounding such vertices to a lattice would open gaps.
  *
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
@@ -54,8 +55,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Where grids store a vertex. Ends of an edge can lie on other edges. The depth is limited, because overlapping
-       *  grids can form a cycle. */
+      /*! Returns where grids store a vertex. Ends of an edge can themselves lie on other edges, which needs recursion.
+       *  Its depth is limited, because overlapping grids can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -88,21 +89,21 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! Independent of the order of threads. */
+      /*! Order of vertices by position. Unlike the order of entries, it does not depend on the timing of threads. */
       bool isBefore (Entry a, Entry b) const
       {
         const cbvh::Double3 p = at(a), q = at(b);
         return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
       }
 
-      /*! 0 to 1, of the edge's point nearest to p. */
+      /*! Parameter of the edge's point that is nearest to p, 0 to 1 on the edge, at the first time step. */
       double parameterOn (const Edge& edge, const cbvh::Double3& p) const
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! In both directions, sorted. */
+      /*! Returns the edges that are on the border of only one grid, each in both directions, sorted by their begin. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {
@@ -159,8 +160,8 @@ namespace embree
         }
       }
 
-      /*! True if a vertex at parameter s lies on the edge after parameter t, at all time steps, within the
-       *  application's rounding. */
+      /*! True if a vertex at parameter s lies on the edge after parameter t, at all time steps. The application's
+       *  rounding may move it by 1e-5 of the edge, or by 4e-7 of its largest coordinate, about 3 ulps. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
         if (!(t < s && s < 1.0)) return false;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from corner e to the next
- * corner. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). Half-edge 3 t + e is edge e of triangle t, from
+ * corner e to the next corner. */
 
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
@@ -15,6 +15,8 @@ namespace embree
 {
   namespace
   {
+    /*! Pairs the triangles of a mesh. Its phases: copy triangles, find opposite half-edges, choose the edges that pairs
+     *  share, pair by them, and spread pairs to the remaining triangles. */
     class PairFinder
     {
     public:
@@ -41,7 +43,7 @@ namespace embree
       }
 
     private:
-      enum : unsigned { none = ~0u, second = ~1u };
+      enum : unsigned { none = ~0u, second = ~1u }; //!< see `mates`
       static const size_t perTask = size_t(1) << 14;
       static const size_t samples = 4096;
 
@@ -59,7 +61,7 @@ namespace embree
         bool operator< (const Half& h) const { return other < h.other; }
       };
 
-      /*! Edges of first and of second triangles that are shared. */
+      /*! Edges (0 to 2) at which first triangles, and second triangles, of all pairs are joined. */
       struct Edges
       {
         unsigned first, second;
@@ -89,7 +91,7 @@ namespace embree
 
       bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
 
-      /*! A vertex near the triangle; numVertices if invalid. */
+      /*! The triangle's lowest vertex, for sorting; numVertices if the triangle is invalid. */
       unsigned vertexOf (const Triangle& t) const {
         return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
       }
@@ -165,6 +167,7 @@ namespace embree
         }
       }
 
+      /*! Sets `opposite`: sorts half-edges by their lower vertex (counting sort), and joins those of each vertex. */
       void findEdges ()
       {
         fill(ends,numVertices+1,0u);
@@ -186,6 +189,8 @@ namespace embree
           });
       }
 
+      /*! Finds the opposites among the half-edges of a vertex. An edge has them if it has exactly two half-edges, of
+       *  different directions. */
       void join (Half* begin, Half* end)
       {
         if (end-begin > 16) std::sort(begin,end);
@@ -200,7 +205,7 @@ namespace embree
         }
       }
 
-      /*! Squared, at the first time step; 0 if not finite. */
+      /*! Squared length of a half-edge at the first time step; 0 if it is not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
@@ -211,14 +216,15 @@ namespace embree
         return square < std::numeric_limits<double>::infinity() ? square : 0;
       }
 
+      /*! True if edge e of a triangle is the opposite of edge f of another. */
       bool isJoined (unsigned triangle, unsigned e, unsigned f) const
       {
         const unsigned other = opposite[3*triangle+e];
         return other != none && other % 3 == f;
       }
 
-      /*! Half-edge by which a triangle is paired, one of two edges, or none. A triangle can share both edges if quads
-       *  with other corners are adjacent: the longer one is the diagonal of a quad. */
+      /*! Returns the half-edge at which a triangle is paired if pairs share `edges`, or none. If both of its edges are
+       *  shared, the longer one is taken, as the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -229,7 +235,8 @@ namespace embree
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
-      /*! Triangle with which a triangle is paired, or none. isFirst: the other is the second one. */
+      /*! Returns the triangle with which a triangle is paired, or none. isFirst: set to true if `triangle` is the
+       *  pair's first one. */
       unsigned partnerOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
@@ -245,7 +252,7 @@ namespace embree
       struct Pairing
       {
         Edges edges;
-        size_t paired = 0, lower = 0; //!< in pairs; in pairs whose first triangle has the lower number
+        size_t paired = 0, lower = 0; //!< triangles in pairs; of these, in pairs whose first one has the lower number
         double length = 0;            //!< sum of squared lengths
       };
 
@@ -269,7 +276,8 @@ namespace embree
         return pairing;
       }
 
-      /*! The edges that pair most triangles, among those the longest. None if few are paired. */
+      /*! Returns the edges that pair the most triangles of a sample; if several do, the longest. None if they pair less
+       *  than three quarters. */
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
@@ -343,13 +351,14 @@ namespace embree
       const WeldedVertices* const welded;
       const size_t size, numVertices;
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
-      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: of the half-edges of each vertex
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< counting sort: end, later begin, of each vertex's range
       cbvh::UnmonitoredVector<Half> halves;        //!< by lower vertex
       cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! Counts the triangles of vertices, to decide whether the search for grids is worthwhile. */
+    /*! Decides whether the search for grids is worthwhile, by the number of triangles at each vertex: six in a regular
+     *  mesh. */
     class RegularityTest
     {
     public:
@@ -444,6 +453,7 @@ namespace embree
       return 16*joined >= 15*numSampled;
     }
 
+    /*! Pairs each triangle of the first half with the corresponding one of the second half, if they share an edge. */
     bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                      mvector<unsigned>& seconds)
     {

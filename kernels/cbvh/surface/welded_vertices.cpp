@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. A hash of positions distributes vertices to buckets. A task processes a
- * bucket with a table that fits into a cache. */
+/* Compiled once, for the lowest ISA of the library (files.cmake). A hash of positions distributes vertices to buckets.
+ * A task processes a bucket with a table that fits into a cache. */
 
 #include "welded_vertices.h"
 #include "../base/resize_to_fit.h"
@@ -24,7 +24,7 @@ namespace embree
         while (numBuckets < maxBuckets && numBuckets*perBucket < n) { numBuckets *= 2; bucketBits++; }
       }
 
-      /*! True if any vertices are equal. */
+      /*! Sets firsts[v] to the lowest vertex that is equal to v. Returns true if any vertices are equal. */
       bool run (mvector<unsigned>& firsts)
       {
         distribute();
@@ -41,7 +41,7 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      /*! Contains the first time step's position, so that a task reads only its bucket. */
+      /*! A vertex in its bucket. Contains its position at the first time step, so that a task reads only its bucket. */
       struct Entry
       {
         unsigned hash, vertex;
@@ -89,7 +89,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Vertices of a bucket are in ascending order. */
+      /*! Fills the buckets (counting sort by task and bucket). Vertices of a bucket are in ascending order. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);
@@ -111,8 +111,8 @@ namespace embree
           });
       }
 
-      /*! Sets firsts[v] to the first vertex that is equal to v, for a bucket. Returns true if any are equal. table:
-       *  temporary memory. */
+      /*! Welds a bucket, entries begin to end-1. Returns true if any vertices are equal. table: temporary memory for a
+       *  hash table of entries. */
       bool weld (size_t begin, size_t end, std::vector<unsigned>& table, mvector<unsigned>& firsts) const
       {
         size_t size = 16;
@@ -137,7 +137,7 @@ namespace embree
       size_t numBuckets = 1;
       unsigned bucketBits = 0;
       cbvh::UnmonitoredVector<Entry> entries;
-      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of each task's entries, by bucket
+      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of each task's entries in each bucket
     };
   }
 

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Vertices of a mesh by position. Exporters duplicate vertices with different attributes. Only positions determine
- * hits, so vertices that are equal floats at all time steps count as one. Both zeros are equal. */
+/* Welds the vertices of a mesh by position. Exporters duplicate vertices with different attributes, such as normals or
+ * texture coordinates. Only positions determine hits, so vertices that are equal floats at all time steps count as one.
+ * Zero and minus zero are equal. */
 
 #include "../base/unmonitored_memory.h"
 #include <memory>
@@ -14,12 +15,12 @@ namespace embree
   class WeldedVertices
   {
   public:
-    /*! Null if no vertices are equal. steps: at least n vertices per time step. The result is independent of the number
-     *  of threads. */
+    /*! Welds n vertices. Returns null if no two are equal. steps: buffers of the time steps, with at least n vertices
+     *  each. The result is independent of the number of threads. */
     static std::shared_ptr<const WeldedVertices> find (const BufferView<Vec3fa>* steps, unsigned numSteps,
                                                        size_t n);
 
-    /*! Lowest vertex with the same position. Numbers that are not vertices are returned unchanged. */
+    /*! Returns the lowest vertex with the same position. Invalid indices are returned unchanged. */
     unsigned operator[] (unsigned vertex) const { return vertex < firsts.size() ? firsts[vertex] : vertex; }
 
     size_t bytes () const { return firsts.size()*sizeof(unsigned); }
