@@ -84,7 +84,6 @@ namespace embree
           return counts;
         }
 
-        /*! Records accepted hits. */
         __forceinline void accept (const vbool<K>& accepted)
         {
           isHit |= accepted;

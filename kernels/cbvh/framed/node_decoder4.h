@@ -19,7 +19,6 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Box i. */
       template<int N>
       __forceinline NodeBox boxAt (const NodePlanes<N>& planes, uint32_t i)
       {
@@ -74,7 +73,6 @@ namespace embree
       private:
         __forceinline vfloat4 plane (int axis, int upper) const { return vfloat4::load(boxes.at[axis][upper]+first); }
 
-        /*! Stores four values per leaf. */
         __forceinline void storeByLeaf (const vfloat4& a, const vfloat4& b, const vfloat4& c, const vfloat4& d,
                                         float rows[16][4]) const
         {

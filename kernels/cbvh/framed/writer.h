@@ -103,7 +103,6 @@ namespace embree
     private:
       static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF;
 
-      /*! One block to encode. */
       struct Encoding
       {
         cbvh::Kind kind;

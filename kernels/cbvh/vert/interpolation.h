@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! fraction: 0 at the begin of the segment, 1 at its end. */
+      /*! fraction: 0 at the beginning of the segment, 1 at its end. */
       struct Between
       {
         const vfloatV before, after;

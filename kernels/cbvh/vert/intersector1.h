@@ -85,7 +85,6 @@ namespace embree
         return best;
       }
 
-      /*! Removes and returns the first group. */
       __forceinline uint32_t popAny (uint32_t& open)
       {
         const uint32_t g = uint32_t(bsf(open));

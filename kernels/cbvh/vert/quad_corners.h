@@ -41,7 +41,6 @@ namespace embree
 #endif
         }
 
-        /*! Applies f to pairs of vectors. */
         template<typename Function>
         static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
         {
@@ -53,7 +52,6 @@ namespace embree
           return r;
         }
 
-        /*! Applies f to each vector. */
         template<typename Function>
         __forceinline CellVector with (const Function& f) const
         {

@@ -35,7 +35,6 @@ namespace embree
           lower(Float4::load(parents.lower[2]) - Float4(0.5f*(latticeRange-1.0f))*Float4::load(parents.extent[2])),
           size(Float4::load(parents.extent[2])*(latticeRange/float(latticeBins))) {}
 
-      /*! Sets all members. */
       void encode()
       {
         for (int axis=0; axis<2; axis++) encodePlanes(axis);
@@ -419,7 +418,6 @@ namespace embree
         }
       };
 
-      /*! Replaces the heights of a lane. */
       void insert(const CodedLattice& lattice, int lane)
       {
         for (int v=0; v<9; v++)
