@@ -1,11 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. It consists of a header,
- * the words of a complete quadtree (level by level, each in Morton order), and the leaves in Morton order (cLEAF) or
- * the vertices row by row (cGRID). Positions, parameters and vertex indices follow from the index, so there are no
- * pointers. docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their
- * meaning. */
+/* Format of a block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. A block
+ * consists of a header, the words of a complete quadtree (level by level, each in Morton order), and the leaves in
+ * Morton order (cLEAF) or the vertices row by row (cGRID). Positions, parameters and vertex indices follow from
+ * indices, so there are no pointers. framed/writer.h writes blocks, traversal and shaders read them, files contain them
+ * as they are.
+ *
+ * docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning. This
+ * header compiles as C++ and GLSL. */
 
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
@@ -15,26 +18,26 @@
 
 CBVH_BEGIN
 
-/*! Incremented by each change of the layout that affects readers. */
+/*! Version of this format. Changes that affect readers must increment it. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
-/*! True if words of the last node level are groups (leaf/format.h). */
+/*! True if words of the last node level are groups of leaves (leaf/format.h). */
 CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
 CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 
-/*! Everything after the header, in bytes. */
+/*! Sizes and offsets of a block. */
 struct BlockLayout
 {
   uint32_t nodeLevels;
-  uint32_t leaves;      //!< number along a side
+  uint32_t leaves;      //!< number of leaves along a side
   uint32_t nodes;       //!< number of node words
-  uint32_t leafOffset;
+  uint32_t leafOffset;  //!< in bytes from the start of the block
   uint32_t leafBytes;
   uint32_t bytes;       //!< of the block, a multiple of 4
-  uint32_t stride;      //!< distance from one block to the next
+  uint32_t stride;      //!< bytes, rounded up to blockAlignment
 };
 
 CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
@@ -56,31 +59,32 @@ CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 
 /* --- header -------------------------------------------------------------------------- */
 
-/*! 76 bytes are 12 modulo 16 and a tree of nodes has 4 modulo 16, so together they leave no gap before the next
- *  block. */
+/*! Has 76 bytes, 12 modulo 16. A tree of nodes has 4 modulo 16 bytes, so both together need no padding to 16 bytes. */
 struct BlockHeader
 {
   float center[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
-  uint32_t surface;     //!< see surface_ids.h
+  uint32_t surface;     //!< number of the surface, see base/surface_ids.h
   float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-center)[i]
   uint32_t primID;
-  uint32_t info;        //!< kind, height, position in the patch, border width
-  uint32_t tiling;      //!< position of the patch in its face, and its last block
+  uint32_t info;        //!< bits 0..3: kind; 4..7: height; 8..15, 16..23: position; 28..31: see borderWidthOf
+  uint32_t tiling;      //!< bits 0..15: position of the patch's last block; 16..31: corner of the patch in its face
 };
 
+/*! x, y: position of the block in its patch, in blocks. */
 CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
   return kind | (height << 4) | (x << 8) | (y << 16);
 }
 CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
 CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< position in blocks
+CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }
 CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
-/*! cLEAF: edges on the block's border are within this fraction of their leaves' boxes, from the outer side. */
+/*! cLEAF: width of lips (leaf/hit_rule.h). Edges of quads on the block's border are within this fraction of their
+ *  leaves' boxes, measured from the outer side. */
 CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
-/*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2; not
- *  0 for sub-patches of an n-gon. */
+/*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2. They
+ *  differ from 0 only for patches of faces without four corners. */
 CBVH_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
   return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
 }
@@ -91,9 +95,9 @@ CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! Face parameter of a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
- *  block, last: positions of the block and the patch's last block. Divides instead of multiplying by a reciprocal, so
- *  that the patch ends at 1. */
+/*! Face parameter, u or v, of a point x quads from the block's corner. corner: parameter of the patch's corner, times
+ *  2. block, last: positions of the block and the patch's last block. A division, because multiplying by a reciprocal
+ *  would not always return 1 at the patch's end. */
 CVERT_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
@@ -106,6 +110,7 @@ CBVH_END
 
 CBVH_BEGIN
 
+/*! A block in memory; nodes and leaves follow the header. */
 struct Block : public BlockHeader
 {
   Kind kind () const { return Kind(kindOf(info)); }

@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* World-space bounds of a block, of two kinds.
+/* World-space bounds of an encoded block, of two kinds: bounds of its vertices, and bounds of everything that a ray can
+ * hit, which is slightly larger.
  *
- * The top level culls with bounds of vertices. A ray through the surface intersects the bounds of the block whose quad
- * it crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its lips close
- * its border. Bounds of the leaves are larger: cLEAF would have up to twice as many false hits at silhouettes, and
- * cVOXEL a tenth more.
+ * The top-level BVH uses bounds of vertices. A ray through the surface intersects the bounds of the block whose quad it
+ * crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its lips close its
+ * border. With bounds of leaves instead, cLEAF would have up to twice as many false hits at silhouettes, and cVOXEL a
+ * tenth more.
  *
- * Rays that intersect these bounds can hit geometry outside of them. The scene's bounds include it, because
- * applications clip rays to them. */
+ * Rays that intersect the bounds of vertices can hit geometry outside of them. The scene's bounds must therefore be
+ * bounds of everything that a ray can hit, because applications clip rays to them. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
@@ -22,10 +23,11 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Bounds of the corners bound the box, because a projective map keeps it convex. */
+    /*! World-space bounds of a box in the frame. Bounds of its corners suffice, because a projective map keeps the box
+     *  convex. center: of the block. */
     inline WorldBounds boundBox(const NodeBox& box, const float center[3], const InverseFrame& inverse)
     {
-      /* Lanes: corners of the lower and of the upper side. */
+      /* One lane per corner of a side; the two elements of arrays are the lower and the upper side in z. */
       const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
       const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
       const double sides[2] = { box.lower[2],upperOf(box,2) };
@@ -48,7 +50,8 @@ namespace embree
       return bounds;
     }
 
-    /*! Bounds of the vertices, enlarged by the rounding of a neighboring face. */
+    /*! Bounds of the vertices, enlarged by the distance at which a neighboring face may evaluate them
+     *  (vertexRounding). */
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
@@ -59,7 +62,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Extends bounds by everything that a ray can hit. */
+    /*! Extends `bounds` by everything that a ray can hit in an encoded block. */
     class HitBounds
     {
     public:
@@ -69,12 +72,13 @@ namespace embree
       void extend()
       {
         bounds.extend(boundSurface(geometry));
-        /* triangles are within the bounds of their vertices */
+        /* the triangles of cGRID are within the bounds of their vertices */
         if (block->kind() != Kind::GRID) extend(0,0,rootBox());
       }
 
     private:
-      /*! No leaf extends past the bounds if a node above it does not. */
+      /*! Extends the bounds by the leaves below node m, with bounds `box`. Skips nodes that are inside of the
+       *  bounds. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
         const WorldBounds own = boundBox(box,block->center,geometry.inverse);

@@ -3,19 +3,19 @@
 
 #pragma once
 
-/* Encodes a block. Nodes are encoded top-down, relative to the decoded box of their parent, so that rounding errors
- * cannot accumulate.
+/* Encodes a block: fits a frame (frame_fit.h), then encodes nodes top-down, each relative to the decoded box of its
+ * parent, so that rounding errors cannot accumulate. framed/writer.h calls it.
  *
- * Encoders of leaves have these members:
+ * Encoders of leaves, one per kind, have these members. m is an index in Morton order, box the decoded box.
  *
  *    uint32_t group (uint32_t m, const NodeBox& box)
- *      Encodes a group of the last level, for kinds that have groups. Returns its word.
+ *      Encodes a group of the last node level, for kinds that have groups. Returns its word.
  *    void fourGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
- *      Encodes four groups, the children of one node, and writes their words.
+ *      Encodes groups m to m+3, the children of one node, and stores their words.
  *    void leaf (uint32_t m, const NodeBox& box)
- *      Encodes a leaf, for the other kinds.
+ *      Encodes a leaf, for kinds without groups.
  *    void finish ()
- *      Called at the end. */
+ *      Called once, after all leaves. */
 
 #include "block_bounds.h"
 #include "grid/encoder.h"
@@ -29,7 +29,7 @@ namespace embree
     class BlockEncoder
     {
     public:
-      /*! Arguments: see BlockGeometry. Call fit() before encode(). */
+      /*! Arguments: see BlockGeometry. fit() must return true before encode() is called. */
       BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : kind(kind), geometry(kind,height,vertices,scratch) {}
 
@@ -37,10 +37,9 @@ namespace embree
       bool fit(const float corners[4][3]) { return geometry.fit(corners); }
       bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves; the caller sets surface, primID and tiling.
-       *  block: room for blockLayout(kind,height).bytes bytes, 16-byte aligned.
-       *  x, y: position in the patch, in blocks.
-       *  sharpSides: sides of the block where the surface ends or bends (sharpSidesOf()); only for statistics. */
+      /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block: room for
+       *  blockLayout(kind,height).bytes bytes, aligned to 16 bytes. x, y: position in the patch, in blocks. sharpSides:
+       *  mask of the block's sides where the surface ends or bends (sharpSidesOf()); only for statistics. */
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
@@ -57,7 +56,8 @@ namespace embree
         }
       }
 
-      /*! Bounds of the encoded block: for culling, and of everything that a ray can hit. */
+      /*! Bounds for the top-level BVH, and bounds of everything that a ray can hit, see block_bounds.h. Require
+       *  encode(). */
       WorldBounds surfaceBounds() const { return boundSurface(geometry); }
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 

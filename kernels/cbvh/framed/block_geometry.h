@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* The quads of a block in its frame, as input of its encoders.
+/* Input of a block's encoders: its vertices in world space and in its frame, and exact bounds of all nodes of its
+ * quadtree.
  *
- * A cell is the surface below a node of the finest level: a quad, or a part of it if leaves are smaller (cLEAF with one
- * quad). */
+ * A cell is the surface below a node of the finest level: a quad, or a quarter of the only quad of a cLEAF block, whose
+ * groups have four leaves. */
 
 #include "leaf/format.h"
 #include "frame_fit.h"
@@ -20,41 +21,41 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Smallest area of a quad in the frame relative to its leaf. Leaves of smaller quads would be over 16 times as
-     *  wide. */
+    /*! Smallest area of a quad in the frame, relative to the area that it would have if all quads were equal. Leaves
+     *  are more than 16 times as wide as smaller quads. */
     static constexpr double minQuadArea = 1.0/256;
 
     class BlockGeometry
     {
     public:
       const uint32_t height;
-      const uint32_t width;       //!< along a side, in vertices
+      const uint32_t width;       //!< vertices along a side
       const uint32_t cellLevels;  //!< log2 of cells along a side
       const float (*const vertices)[3]; //!< world positions
       Frame frame;
       InverseFrame inverse;
-      float lower[4], upper[4];   //!< of the finite vertices, in world space
-      double coordinate = 0;      //!< largest absolute value of these vertices
-      double rounding[4];         //!< largest distance between evaluations of a vertex by two faces
-      ExactBox* boxes;            //!< of all quadtree levels down to cells
-      double (*local)[4];         //!< vertices of cells in the frame
-      uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+      float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
+      double coordinate = 0;      //!< largest absolute coordinate of these vertices; set by bound()
+      double rounding[4];         //!< per axis: largest distance between two faces' evaluations of a vertex
+      ExactBox* boxes;            //!< of all quadtree levels down to cells; set by bound()
+      double (*local)[4];         //!< vertices of cells in the frame, row by row; set by fit()
+      uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite; set by bound()
 
-      /*! For blocks of this height, 16-byte aligned. */
+      /*! Bytes of scratch memory for blocks of this height and any kind. It must be aligned to 16 bytes. */
       static size_t scratchBytes(uint32_t height) {
         BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
         return geometry.layoutScratch(nullptr);
       }
 
-      /*! vertices: (2^height+1)^2 world positions, row by row. scratch: scratchBytes() bytes. Both must outlive the
-       *  object. */
+      /*! vertices: (2^height+1)^2 world positions, row by row. scratch: scratchBytes(height) bytes. Both must outlive
+       *  the object. */
       BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : height(height), width((1u << height)+1),
           cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
           vertices(vertices) { layoutScratch((char*)scratch); }
 
-      /*! Fits the frame. Returns false if no quad is finite, or floats cannot represent a frame. corners: world
-       *  positions to align to, in the order (0,0), (1,0), (0,1), (1,1). */
+      /*! Fits the frame. Returns false if no vertex is finite, or floats cannot represent a frame. corners: world
+       *  positions to which the frame is aligned, in the order (0,0), (1,0), (0,1), (1,1). */
       bool fit(const float corners[4][3])
       {
         const size_t all = size_t(width)*width;
@@ -72,7 +73,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // a frame that only contains the vertices
+        if (!ok) // four finite vertices instead: the frame then contains the vertices, but is not aligned
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -82,12 +83,12 @@ namespace embree
         return true;
       }
 
-      /*! True if leaves would be much larger than most quads: vertices are on a line, or a few are far from the others.
-       *  Such blocks should not be compressed. */
+      /*! True if leaves would be much larger than most quads, because vertices are on a line or a few are far from the
+       *  others. Such blocks should not be compressed. Requires fit(). */
       bool isDegenerate() const
       {
         const uint32_t side = 1u << cellLevels, cells = side*side;
-        const double limit = 2*minQuadArea/cells; // limit of twice the area
+        const double limit = 2*minQuadArea/cells; // for twice the area
         if (frame.degenerate) return true;
         uint32_t small = 0, valid = 0;
         for (uint32_t y=0; y<side; y++)
@@ -105,7 +106,7 @@ namespace embree
         return 2*small > valid;
       }
 
-      /*! Sets `boxes`. Requires fit(). */
+      /*! Sets `boxes`, `inverse`, `rounding` and `invalidQuads`. Requires fit(). */
       void bound()
       {
         inverse = InverseFrame(frameMap(frame.columns));
@@ -118,11 +119,12 @@ namespace embree
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
       const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
 
+      /*! True if all vertices are finite. */
       bool isWhole() const { return allFinite; }
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
-      /*! Returns the number of bytes; null only counts. */
+      /*! Sets pointers into the scratch memory. Returns the number of bytes needed. */
       size_t layoutScratch(char* scratch)
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
@@ -143,6 +145,7 @@ namespace embree
         return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]);
       }
 
+      /*! Divides the only quad into 2 x 2 cells, bilinearly. */
       void splitQuad()
       {
         double quad[4][4];
@@ -154,7 +157,7 @@ namespace embree
       }
 
       /*! Transforms vertexRounding to the frame. A world-space step of r on each axis moves x = X/W by at most r (|dX|
-       *  + |dW|)/W. */
+       *  + |dW|)/W, where |dX| and |dW| are sums of absolute derivatives. */
       void boundRounding()
       {
         double rcpW = 0;
@@ -171,7 +174,8 @@ namespace embree
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
       }
 
-      /*! Cells with a vertex that is not finite are empty; `invalid` counts them. */
+      /*! Sets the boxes of node m, at cell or subtree (x,y), and of all nodes below it. Cells with a vertex that is not
+       *  finite are empty; `invalid` counts them. */
       void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
       {
         if (level == cellLevels) {
@@ -185,7 +189,7 @@ namespace embree
         boxOf(level,m) = box;
       }
 
-      /*! v: lower vertex. */
+      /*! Bounds of a cell, enlarged by `rounding` but inside of the frame. v: index of its first vertex. */
       ExactBox boundCell(uint32_t v, uint32_t& invalid) const
       {
         const uint32_t above = v + (1u << cellLevels)+1;
@@ -200,7 +204,7 @@ namespace embree
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
       }
 
-      /*! Returns the number of finite vertices. */
+      /*! Sets lower and upper. Returns the number of finite vertices. */
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
@@ -220,8 +224,8 @@ namespace embree
 
     private:
       bool allFinite = false;
-      Double3* fitted;          //!< only while the frame is fitted
-      float (*finite)[3];
+      Double3* fitted;          //!< scratch memory of fitFrame()
+      float (*finite)[3];       //!< the finite vertices, if some are not
     };
   }}
 }

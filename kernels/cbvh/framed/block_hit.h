@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Converts a hit in a leaf to face parameters, distance and normal. `Real` is float, or a vector of a packet's rays.
- * Both compute the same bits: every product in a sum is explicitly fused or exact. */
+/* Converts a hit in a leaf to what Embree reports: face parameters, distance and normal. `Real` is float, or a vector
+ * with one ray of a packet per lane. Both compute the same bits, because every product in a sum is explicitly fused or
+ * not. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -15,34 +16,38 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A hit in the frame. */
       template<typename Real, typename Bool>
       struct LeafHit
       {
-        Real s;
-        Real u, v;                 //!< position in the leaf
-        Real slopeX, slopeY;
-        Bool fromAbove, fromBelow; //!< side of the ray's origin; neither is set if it is unknown
+        Real s;                    //!< parameter along the segment, see local_ray.h
+        Real u, v;                 //!< position in the leaf's box, 0 to 1
+        Real slopeX, slopeY;       //!< slopes of the surface, dz/dx and dz/dy
+        Bool fromAbove, fromBelow; //!< side of the surface from which the ray comes; none is set if unknown
       };
 
+      /*! The part of a ray in a block's box. */
       template<typename Real>
       struct HitRay
       {
-        Real P[3], D[3];       //!< position and direction in the frame
+        Real P[3], D[3];       //!< start and direction of the segment in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
-        Real scale, rcpDir2;
+        Real scale, rcpDir2;   //!< see RayState
         Real tnear, tfar;      //!< the ray's values before any hit
         Real enter;            //!< where the ray enters the block's bounds
 
+        /*! Distance of a hit along the application's ray, between tnear and tfar. */
         __forceinline Real distanceAt (const Real& s) const {
           const Real sw = product(s,w0);
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! See nearest_hit.h. */
+        /*! Distance by which NearestHit compares a hit at distance `own`. */
         __forceinline Real comparedT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
+      /*! A hit as Embree reports it. */
       template<typename Real>
       struct BlockHit
       {
@@ -57,7 +62,7 @@ namespace embree
         __forceinline HitFrame (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
-        /*! t: reported distance. */
+        /*! leaf: index in Morton order. t: distance to report. */
         __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at,
                                                const Real& t) const
         {
@@ -70,7 +75,7 @@ namespace embree
         }
 
       private:
-        /*! See normal.h. Returns unit length. */
+        /*! Sets the world-space normal of the surface, of unit length, mirrored if it should be, see normal.h. */
         __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
@@ -81,7 +86,8 @@ namespace embree
             n[k] = fusedNegative(level,Real(column[3]),
               fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
-          /* Squares would overflow in frames of blocks smaller than 1e-19. */
+          /* n is scaled first: its squares would overflow in blocks smaller than 1e-19. Two minima avoid divisions by
+           * 0. */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);

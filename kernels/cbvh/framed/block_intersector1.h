@@ -3,6 +3,9 @@
 
 #pragma once
 
+/* Intersects a single ray with a block: maps the ray into the block's frame (local_ray4.h), then walks its quadtree
+ * (block_walk1.h) and intersects the leaves (the visitors). */
+
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
 #include "grid/visitor1.h"
@@ -13,11 +16,12 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! Visitor: intersects the leaves of a kind, for example LeafVisitor1. */
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Returns true if a hit was accepted. Any-hit queries end with the first. Not inlined, so that traversal keeps
-         *  its ray in registers. */
+        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. Not inlined, so that
+         *  traversal keeps its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,
                                           const Block* block)

@@ -3,13 +3,14 @@
 
 #pragma once
 
-/* The tiles of a block (node_cache.h), in the thread's cache.
+/* Access to the decoded nodes of a block, in tiles of two levels (node_cache.h). Decodes them into the thread's cache
+ * if necessary.
  *
- * A tile has two levels; the last tiles end with the leaves. With an odd number of levels, the root is the only child
- * of the first tile. A root that is a leaf is the only grandchild.
+ * The last tiles end with the leaves. If the number of levels is odd, the root of the quadtree is therefore the only
+ * child of the first tile, whose node is above the root. A root that is a leaf is the only grandchild.
  *
- * References are valid until the next call of these functions, or until a hit is reported: a filter function may trace
- * rays. */
+ * References are valid until the next call of tile() or leafTile(), or until a hit is reported, because a filter
+ * function may trace further rays. */
 
 #include "node_decoder4.h"
 #include "block.h"
@@ -31,11 +32,12 @@ namespace embree
           : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)),
             heights((const char*)block + layout.leafOffset) {}
 
-        /*! Negative if the first tile is above the root. */
+        /*! Level of the first tile's node: 0 for the root, negative above it. */
         __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
+        /*! Level of the nodes of the last tiles, whose grandchildren are leaves. */
         __forceinline int lastLevel () const { return nodeLevels-2; }
 
-        /*! m: node of the level; 0 for a tile above the root. */
+        /*! Returns the tile below node m of a level, with decoded children. m: 0 for a tile above the root. */
         __forceinline Tile& tile (int level, uint32_t m)
         {
           const uint32_t number = numberOf(level,m);
@@ -44,7 +46,7 @@ namespace embree
           return at;
         }
 
-        /*! For the last level of cLEAF. */
+        /*! Returns a tile of the last level of cLEAF, with decoded children. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -53,7 +55,7 @@ namespace embree
           return at;
         }
 
-        /*! True if the cache has not replaced the tile, and the grandchild is decoded. */
+        /*! True if the slot still contains the tile `number` of this block, and the grandchild `child` is decoded. */
         __forceinline bool has (const Tile& at, uint32_t number) const {
           return at.block == block && at.number == number;
         }
@@ -61,7 +63,7 @@ namespace embree
           return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
         }
 
-        /*! Decodes the children of the children in `mask`. */
+        /*! Decodes the grandchildren below the children in `mask` if necessary. */
         __forceinline void need (Tile& at, uint32_t mask)
         {
           mask &= ~at.decoded;
@@ -74,11 +76,12 @@ namespace embree
         }
 
       private:
-        /*! In the order of words, after the tile above the root. */
+        /*! Number of a tile in its block: 0 above the root, otherwise 1 plus the index of its node's word. */
         static __forceinline uint32_t numberOf (int level, uint32_t m) {
           return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1;
         }
 
+        /*! Index of the word of the tile's first child. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)
@@ -94,15 +97,15 @@ namespace embree
           at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
-        /*! Prefetches a block that was not visited recently. Accesses depend on each other, so nothing else would hide
-         *  their latency. */
+        /*! Prefetches a block that was not visited recently, because its accesses depend on each other, so that nothing
+         *  hides their latency. Times 3: the heights of cLEAF need at most twice the bytes before them. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! The other boxes do not exist (Tile::present). */
+        /*! Sets the only grandchild of a tile above a root that is a leaf. The others do not exist (Tile::present). */
         static __forceinline void setRootAlone (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
@@ -115,7 +118,7 @@ namespace embree
           return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c);
         }
 
-        /*! Box of the tile's node, read from the tile two levels above. */
+        /*! Box of node m, from the tile two levels above. */
         NodeBox boxOf (int level, uint32_t m)
         {
           if (level == 0) return rootBox();

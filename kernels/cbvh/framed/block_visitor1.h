@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A ray in a block, and its hits: base of the visitors of all kinds of leaves. */
+/* Base of the visitors that intersect the leaves of a block with a single ray: the ray, and reports of its hits.
+ * Visitors of each kind are in grid/, leaf/ and voxel/. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -28,8 +29,8 @@ namespace embree
         const LocalRay& local;
         const FrameRay& frameRay;
         BlockTiles& tiles;
-        float sBest;
-        bool isHit;
+        float sBest;  //!< s of the ray's nearest hit, or 1: leaves that begin after it are skipped
+        bool isHit;   //!< a hit in this block was accepted
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,
                                      const BlockLayout& layout,
@@ -39,7 +40,7 @@ namespace embree
             sBest(ray.tfar < state.tfar ? min(local.parameterAfter(state.rcpScale,ray.tfar),1.0f) : 1.0f),
             isHit(false) {}
 
-        /* For BlockWalk1; only cLEAF overrides them. */
+        /* Members that BlockWalk1 requires; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
         static const uint32_t passedMask = 0u;
         __forceinline bool passSubtree (bool) { return false; }
@@ -53,8 +54,9 @@ namespace embree
           return local.endClipped && ranges.sFar[leaf] > 1.0f;
         }
 
-        /*! Returns true if the walk must treat the hit as a hit: it was accepted, or would have been accepted if this
-         *  block had been visited before the one with the ray's nearer hit. */
+        /*! Reports a hit. Returns true if the walk must treat it as a hit: it was accepted, or it would have been
+         *  accepted if this block had been visited before the block with the ray's nearer hit. leaf: index in Morton
+         *  order. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = {

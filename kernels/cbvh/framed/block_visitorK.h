@@ -32,7 +32,7 @@ namespace embree
         BlockTiles& tiles;
         vfloat<K> sBest;
         vbool<K> open;   //!< rays that continue
-        vbool<K> isHit;
+        vbool<K> isHit;  //!< rays with an accepted hit in this block
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
                                      const Block* block, const BlockLayout& layout,
@@ -45,7 +45,7 @@ namespace embree
             sBest = select(nearer,min(frameRays.parameterAfter(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
-        /* For BlockWalkK; only cLEAF overrides them. */
+        /* Members that BlockWalkK requires; only cLEAF overrides them. */
         static const bool countsPassed = false;
         __forceinline vbool<K> needsPassedBoxes () const { return vbool<K>(false); }
         __forceinline void passBoxes (const vbool<K>&, const vbool<K>&) {}
@@ -59,7 +59,7 @@ namespace embree
           return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
-        /*! As BlockVisitor1::reportHit. */
+        /*! As BlockVisitor1::reportHit, for the rays in `lanes`. */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
@@ -99,7 +99,7 @@ namespace embree
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! Hits that take precedence over the rays' current hits. */
+        /*! Rays whose hits take precedence over their current hits. t, own: see NearestHit. */
         __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
         {
           vbool<K> front = t < rays.tfar;

@@ -3,21 +3,21 @@
 
 #pragma once
 
-/* Traverses a block's quadtree with a single ray, front to back, two levels at a time. A mask stores the open part of a
- * tile, so the stack has one entry per level of tiles.
+/* Traverses a block's quadtree with a single ray, front to back, two levels (a tile, node_cache.h) at a time. A mask
+ * stores the nodes of a tile that are not visited yet, so the stack has one entry per level of tiles.
  *
- * The Visitor intersects the leaves. Calls are in front-to-back order:
+ * The Visitor intersects the leaves. It has the following members, and its functions are called in front-to-back order:
  *
  *    Tile& leafTile (uint32_t m)
  *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
  *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
  *      Intersects leaf 16 m + child, whose box the ray intersects. Returns true to end the walk.
  *    bool passSubtree (bool above)
- *      Called if the ray passes over (under) an entire subtree. Returns true to end the walk.
+ *      Called if the ray passes over (above is true) or under an entire subtree. Returns true to end the walk.
  *    uint32_t passedMask
- *      All bits set to request these calls, otherwise 0. May change.
+ *      All bits set to request calls of passSubtree, otherwise 0. May change.
  *    float sBest
- *      Nodes that begin after it are skipped. The visitor may decrease it. */
+ *      Nodes that the ray enters at a greater s are skipped. The visitor may decrease it. */
 
 #include "tile_hits.h"
 
@@ -41,7 +41,7 @@ namespace embree
         {
           TileHits hits;  //!< nodes that were not visited yet
           uint32_t m;     //!< index of the tile's node in its level
-          uint32_t number;
+          uint32_t number; //!< of the tile, to notice when the cache replaces it
           NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
@@ -50,7 +50,7 @@ namespace embree
         __forceinline BlockWalk1 (const FrameRay& ray, BlockTiles& tiles, Visitor& visitor)
           : ray(ray), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
-        /*! True if the visitor ended the walk. */
+        /*! Returns true if the visitor ended the walk. */
         __forceinline bool run ()
         {
           Level* l = levels;
@@ -82,6 +82,7 @@ namespace embree
         }
 
       private:
+        /*! Intersects the tile below node m. */
         __forceinline void open (Level& l, int level, uint32_t m)
         {
           l.m = m;
@@ -101,15 +102,15 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile with a decoded grandchild. Decodes again if rays of a filter function replaced it in the
-         *  cache. */
+        /*! Returns the tile with a decoded grandchild. Decodes it again if rays that a filter function traced have
+         *  replaced it in the cache. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.has(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
-        /*! Requires only children. */
+        /*! As above, with decoded children only. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
           if (unlikely(!tiles.has(*l.tile,l.number))) decodeAgain(l,level,0u);
@@ -130,7 +131,7 @@ namespace embree
           }
         }
 
-        /*! True if the ray, which misses the node, passes over it. */
+        /*! True if the ray, which misses the grandchild or its parent, passes over it. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)

@@ -3,26 +3,29 @@
 
 #pragma once
 
-/* Traverses a block's quadtree with a packet. Each ray visits nodes in the order of BlockWalk1.
+/* Traverses a block's quadtree with a packet. Each ray visits nodes in the order of BlockWalk1, and therefore has the
+ * same hits.
  *
- * The order follows from the signs of a ray's direction along x and y, so rays with the same signs share a walk. If
- * boxes overlap, some rays may require two children in the opposite order. The first child is then visited twice,
- * before the second child for the other rays, and after it for these rays.
+ * The order follows from the signs of a ray's direction along x and y in the frame, so rays with the same signs share a
+ * walk. If boxes overlap, some rays may require two children in the opposite order. The first child is then visited
+ * twice: before the second child for the other rays, and after it for these rays.
  *
- * The Visitor intersects the leaves:
+ * The Visitor intersects the leaves. It has the following members:
  *
  *    Tile& leafTile (uint32_t m)
  *      As in BlockWalk1.
  *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
  *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
  *    void passBoxes (const vbool<K>& above, const vbool<K>& lanes)
- *      Called if rays pass over (under) an entire subtree.
+ *      Called if the rays in `lanes` pass over (above is true) or under an entire subtree.
  *    vbool<K> needsPassedBoxes ()
- *      Rays for which passBoxes() must be called.
+ *      Rays for which passBoxes() must be called. May change.
+ *    bool countsPassed
+ *      Constant. False if the two functions above must not be called.
  *    vbool<K> open
  *      Rays that continue.
  *    vfloat<K> sBest
- *      Nodes that begin after it are skipped. */
+ *      Nodes that a ray enters at a greater s are skipped for it. */
 
 #include "block_tiles.h"
 #include "frame_rays.h"
@@ -43,7 +46,7 @@ namespace embree
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last;
-        uint32_t flip;         //!< descending axes x and y, see FrameRay
+        uint32_t flip;         //!< bits 0 and 1: rays of this walk descend along x and y
 
       public:
         __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
@@ -65,13 +68,13 @@ namespace embree
       private:
         static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
 
-        /*! Four nodes, and the rays that visit them, in the order of visits. A node can occur twice. */
+        /*! Four siblings, and the rays that visit them, in the order of visits. One node can occur twice. */
         struct Visits
         {
           BoxRangesK<K> box[4];   //!< by node
           vbool<K> lanes[5];
           uint32_t node[5];
-          uint32_t number;
+          uint32_t number;        //!< number of visits
 
           template<int N>
           __forceinline Visits (const BlockWalkK& walk, const NodePlanes<N>& planes, uint32_t firstNode,
@@ -109,7 +112,7 @@ namespace embree
           }
         };
 
-        /*! Returns the rays that intersect the box, and reports rays that pass it. */
+        /*! Returns the rays that intersect the box. Calls passBoxes() for rays that pass it. */
         __forceinline vbool<K> intersectBox (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
@@ -137,7 +140,7 @@ namespace embree
           }
         }
 
-        /*! lanes: rays that intersect child c. */
+        /*! Visits the grandchildren below child c of a tile. lanes: rays that intersect child c. */
         void intersectChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c,
           const vbool<K>& lanes)
         {
@@ -149,7 +152,7 @@ namespace embree
             const vbool<K> hit = intersectBox(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // filters may evict tiles
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // may be evicted
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else intersectTile(level+2,16*m+4*c+i,hit);
@@ -160,6 +163,7 @@ namespace embree
           return level == last ? (Tile&)visitor.leafTile(m) : tiles.tile(level,m);
         }
 
+        /*! Returns a tile with the grandchildren below child c decoded. */
         __forceinline Tile& withChildren (int level, uint32_t m, uint32_t c)
         {
           if (level == last) {

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Frames: one 3D projective map per block, from world space to the block's box [0,1]^3, aligned to the block's corners:
+/* Fits frames: one 3D projective map per block, from world space to the block's box [0,1]^3, aligned to the block's
+ * corners. BlockGeometry calls fitFrame().
  *
  *    world           frame               p -> (X,Y,Z,W), linear in p
  *      ______         ______             x = X/W, y = Y/W, z = Z/W
@@ -17,7 +18,7 @@
  *
  * The map is stored relative to "center", the world point of (1/2,1/2,1/2), where W = 1. This leaves 3 + 12 floats.
  * Vertices and ray origins are first made relative to the center, so that far from the origin only the precision that
- * coordinates lack is lost.
+ * the coordinates themselves lack is lost.
  *
  * Affine fallback. A homography is used only if
  *
@@ -28,8 +29,8 @@
  * - the inverse map is positive at the eight corners of the box, within the same ratio: the box is then a bounded
  *   region of the world, and a ray's part in it is a segment with finite ends.
  *
- * Otherwise the axes are the mean edges, orthogonalized if nearly parallel. An affine frame is looser, but as
- * conservative.
+ * Otherwise the axes are the mean edges, orthogonalized if nearly parallel. An affine frame fits less tightly, but is
+ * as conservative.
  *
  * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989 (square to quad); Selgrad et al. 2016,
  * Lier et al. 2018 (use for patches). */
@@ -41,9 +42,10 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
+    /*! Largest ratio of two values of W in a block. */
     static constexpr double maxWRatio = 4.0;
 
-    /*! Distance of vertices from the box's faces: more than twice the slack of decoded planes. */
+    /*! Smallest distance of vertices from the faces of the frame's box: more than twice containmentSlack (node.h). */
     static constexpr double frameMargin = 1.0/(1<<18);
 
     /*! Largest distance between two faces' evaluations of a shared vertex, relative to its largest coordinate. An
@@ -56,11 +58,13 @@ namespace embree
      *  compressed. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
+    /*! Orthonormal axes: e1 and e2 in the plane of the corners, n along its normal. */
     struct CornerPlane
     {
       Double3 e1, e2, n;
     };
 
+    /*! Returns a unit vector that is orthogonal to `a`. */
     inline Double3 anyOrthogonal(const Double3& a)
     {
       const Double3 axis = std::fabs(a.x) < std::fabs(a.y)
@@ -70,7 +74,7 @@ namespace embree
       return (1.0/length(c))*c;
     }
 
-    /*! p: corners (0,0), (1,0), (0,1), (1,1). */
+    /*! Axes of the mean plane of four corners, in the order (0,0), (1,0), (0,1), (1,1). e1 is the mean edge along x. */
     inline CornerPlane fitPlane(const Double3 p[4])
     {
       const Double3 d1 = p[3]-p[0], d2 = p[2]-p[1];
@@ -92,7 +96,8 @@ namespace embree
       return plane;
     }
 
-    /*! False if no homography is accurate enough. */
+    /*! Sets `map` to the homography from the corners to the unit square, and z to the signed distance from the plane.
+     *  Returns false if the corners do not form a convex quad, or nearly do not. Based on: Heckbert 1989. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
@@ -119,7 +124,7 @@ namespace embree
       const double m[3][3] = { { a[1]-a[0]+g*a[1], a[2]-a[0]+h*a[2], a[0] },
                                { b[1]-b[0]+g*b[1], b[2]-b[0]+h*b[2], b[0] },
                                { g, h, 1 } };
-      /* Quad to square: the adjugate. */
+      /* Quad to square: the inverse, as adjugate divided by determinant. */
       double q[3][3];
       for (int r=0; r<3; r++)
         for (int c=0; c<3; c++)
@@ -134,7 +139,8 @@ namespace embree
       return true;
     }
 
-    /*! Fits a parallelogram of the mean edges, or a rectangle if they are nearly parallel. */
+    /*! Sets `map` to the affine map from the parallelogram of the mean edges, or from a square if these are nearly
+     *  parallel. */
     inline void fitAffine(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       const Double3 a = 0.5*((p[1]-p[0]) + (p[3]-p[2]));
@@ -155,7 +161,7 @@ namespace embree
       map.projective = false;
     }
 
-    /*! Rounding can make the axes of a sliver dependent. */
+    /*! Returns false if rounding made the axes of a sliver linearly dependent. */
     inline bool isInvertible(const Frame& frame)
     {
       Double3 row[3];
@@ -175,10 +181,11 @@ namespace embree
       Double4 operator()(const Double3& p) const { return x*p.x + y*p.y + z*p.z + d; }
     };
 
+    /*! Bounds of the vertices after a map. */
     struct MappedVertices
     {
-      double lower[4], upper[4]; //!< valid only if isWBounded()
-      double minW, maxW;
+      double lower[4], upper[4]; //!< of x, y and z; valid only if isWBounded()
+      double minW, maxW;         //!< minW is -1 if W is not positive at each vertex
       double worldExtent;        //!< upper bound, on the longest axis
 
       /*! vertices: at least one, relative to an origin. farthest: their largest absolute coordinate. */
@@ -205,9 +212,9 @@ namespace embree
       bool isWBounded() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box. Keeps each extent above a fraction of the block's
-     *  world-space size, and above the resolution of floats. Returns true if that widened x or y
-     *  (Frame::degenerate). */
+    /*! Scales X, Y and Z so that the vertices fill the box, and enlarges `vertices` accordingly. Keeps each extent
+     *  above minExtentRatio of the block's world-space size, and above the resolution of floats. Returns true if that
+     *  widened x or y (Frame::degenerate). origin: world position to which the map's points are relative. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
@@ -228,7 +235,8 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if W > 0 at the box's corners. */
+    /*! True if W is positive and bounded at the eight corners of the box, which is then a bounded region of the
+     *  world. */
     inline bool isBounded(const FrameMap& map, const Double3& center)
     {
       if (!map.projective) return true;
@@ -241,8 +249,8 @@ namespace embree
       return true;
     }
 
-    /*! reach: largest distance of vertices from the center, per axis. Returns false if W is not positive or a distance
-     *  is not finite. */
+    /*! Sets reach to the vertices' largest distance from the box's center on each axis of the frame. Returns false if W
+     *  is not positive or a distance is not finite. center: position of the frame's center relative to the origin. */
     inline bool reachOf(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
       double reach[3])
     {
@@ -261,8 +269,9 @@ namespace embree
       return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
     }
 
-    /*! Rounds a map to floats. A shift restores the center, which rounding moves, to (1/2,1/2,1/2). The map is then
-     *  scaled about the center until it contains every vertex again. frame.center must be set. */
+    /*! Rounds a map to floats. Dropping the constants shifts the rounded center to (1/2,1/2,1/2). The map is then
+     *  scaled about the center until the box contains every vertex again; each attempt rounds anew. Requires
+     *  frame.center. Returns false if this fails. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
@@ -293,8 +302,9 @@ namespace embree
       return false;
     }
 
-    /*! Returns false if W is out of bounds. vertices: `count` positions relative to origin, at least one.
-     *  farthest: their largest absolute coordinate. */
+    /*! Sets `frame` to a map that is scaled to contain the vertices. Returns false if W is out of bounds or floats
+     *  cannot represent the map. vertices: `count` positions relative to origin, at least one. farthest: their largest
+     *  absolute coordinate. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
       Frame& frame)
     {
@@ -312,11 +322,9 @@ namespace embree
     }
 
     /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats
-     *  there.
-     *  corners: world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1).
-     *  vertices: `count` world positions to contain, finite, at least one.
-     *  scratch: room for `count` points. Returns false if floats cannot represent any frame, for which no finite
-     *  vertices are known. */
+     *  there. Returns false if floats cannot represent any frame; no finite vertices are known for which this happens.
+     *  corners: world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1). vertices: `count` world
+     *  positions to contain, finite, at least one. scratch: room for `count` points. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch,
       Frame& frame)
     {
@@ -345,7 +353,7 @@ namespace embree
       fitAffine(p,plane,map);
       if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
-      /* A rectangle in the same plane always works. */
+      /* A square in the same plane works for all known vertices. */
       map.X = Form{ plane.e1, 0 };
       map.Y = Form{ plane.e2, 0 };
       map.Z = Form{ plane.n, 0 };

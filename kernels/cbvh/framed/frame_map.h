@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The map from world space to the block's box [0,1]^3 as linear forms in double, for encoders and world positions of
- * boxes. */
+/* The map from world space to a block's box [0,1]^3 and its inverse, as linear forms in double precision. Encoders use
+ * it, and code that needs world positions of boxes. Rays are mapped by local_ray.h. */
 
 #include "block.h"
 #include "../base/codec.h"
@@ -25,14 +25,14 @@ namespace embree
       friend Form operator*(double s, const Form& a) { return {s*a.n, s*a.d}; }
     };
 
-    /*! Affine if W is constant. */
+    /*! A map to homogeneous coordinates: x = X/W, y = Y/W, z = Z/W. projective: false if W is constant. */
     struct FrameMap
     {
       Form X, Y, Z, W;
       bool projective;
     };
 
-    /*! Maps a point relative to the center to lanes X, Y, Z and W. */
+    /*! The map of a block in SIMD form: maps a point relative to the center to lanes X, Y, Z and W. */
     struct FrameLanes
     {
       Double4 columns[3];
@@ -44,7 +44,7 @@ namespace embree
       }
     };
 
-    /*! See BlockHeader. */
+    /*! The frame of a block, as BlockHeader stores it. */
     struct Frame
     {
       float center[3];
@@ -52,6 +52,7 @@ namespace embree
       bool projective;
       bool degenerate; //!< see fillBox()
 
+      /*! Maps a world position to the frame. */
       void transform(const float p[3], double local[3]) const
       {
         double l[4];
@@ -59,7 +60,7 @@ namespace embree
         for (int k=0; k<3; k++) local[k] = l[k];
       }
 
-      /*! x, y and z in lanes 0 to 2. */
+      /*! As above, with x, y and z in lanes 0 to 2. */
       Double4 transform(const FrameLanes& lanes, const float p[3]) const
       {
         const Double4 h = lanes({ double(p[0])-double(center[0]), double(p[1])-double(center[1]),
@@ -68,7 +69,7 @@ namespace embree
       }
     };
 
-    /*! Solves X = x W, Y = y W, Z = z W for the world point p. False if no finite p exists. */
+    /*! Solves X = x W, Y = y W, Z = z W for the world point p. Returns false if no finite p exists. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
       const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
@@ -79,7 +80,7 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
-    /*! From world points relative to the center. */
+    /*! The map of a block from world points relative to its center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
       auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
@@ -113,6 +114,7 @@ namespace embree
         rcpW = form(3);
       }
 
+      /*! Maps a position in the frame to a world position relative to the center. */
       Double3 operator()(const Double3& local) const
       {
         const double w = 1/rcpW(local);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A LocalRay prepared for box tests. */
+/* A LocalRay prepared for tests of the boxes of nodes, four or more boxes at a time. block_walk1.h uses it. */
 
 #include "local_ray4.h"
 #include "node_cache.h"
@@ -14,10 +14,11 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A segment P + s D in the frame of a block, with s from 0 to 1. */
       struct FrameRay
       {
         vfloat4 P, D;
-        vfloatV Pnear[3], Pfar[3]; //!< moved outwards by epsilon; the same in all lanes
+        vfloatV Pnear[3], Pfar[3]; //!< P moved by epsilon, so that boxes appear wider; the same in all lanes
         vfloatV rcpD[3];
         float epsilonZ;
         uint32_t flip;             //!< bit k: the ray descends along axis k
@@ -30,6 +31,7 @@ namespace embree
           const vboolf4 down = D < vfloat4(zero);
           const vfloat4 outwards = select(down,-ray.epsilon,ray.epsilon);
           const vfloat4 n = P + outwards, f = P - outwards;
+          // the limit keeps reciprocals finite
           const vfloat4 away = vfloat4(1.0f)/max(abs(D),vfloat4(1e-18f));
           const vfloat4 r = select(down,-away,away);
           epsilonZ = ray.epsilon[2];
@@ -40,14 +42,15 @@ namespace embree
           }
         }
 
-        /*! Number of the first child along the ray. */
+        /*! Number of the first child (column + 2 row) along the ray. */
         __forceinline uint32_t flipXY () const { return flip & 3u; }
+        /*! True if the ray descends along z. */
         __forceinline bool descends () const { return (flip & 4u) != 0u; }
 
         /*! 1 if upper planes of an axis are near. */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
-        /*! N/4 converts the row to bytes. */
+        /*! The planes of all boxes through which a ray enters them. N/4 converts nearRow to bytes. */
         template<int N>
         __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const {
           return (const float*)((const char*)&c + nearRow[axis]*(N/4));
@@ -57,7 +60,7 @@ namespace embree
           return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
         }
 
-        /*! s at the near (far) plane of a box, widened. */
+        /*! s at the near plane of box i, which is widened; leave() returns s at its far plane. */
         template<int N>
         __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
@@ -76,17 +79,18 @@ namespace embree
         }
       };
 
-      /*! s where the ray's line enters and leaves boxes; may be outside of [0,1]. */
+      /*! Values of s where the ray's line enters and leaves boxes; they may be outside of [0,1]. */
       template<int N>
       struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
 
       struct BoxMasks
       {
         uint32_t hit;    //!< boxes that the segment intersects
-        uint32_t passed; //!< that it overlaps in x and y, but misses
+        uint32_t passed; //!< boxes that the segment overlaps in x and y, but misses
       };
 
-      /*! Tests the first `number` boxes against the segment up to sBest. */
+      /*! Tests the first `number` boxes against the segment up to sBest. Sets `ranges`. vfloatW: vector type, with at
+       *  most vectorWidth lanes. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks intersectBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest,
         BoxRanges<N>& ranges,

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* RayState and LocalRay (local_ray4.h) and FrameRay (frame_ray.h) for packets, with a ray per lane. Results are equal
- * to the bit. Lanes of inactive rays are undefined. */
+/* RayState and LocalRay (local_ray4.h) and FrameRay (frame_ray.h) for packets, with one ray per lane. All results have
+ * the same bits as those of single rays, so that packets have the same hits. Lanes of inactive rays are undefined. */
 
 #include "frame_ray.h"
 
@@ -14,6 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! See RayState. */
       template<int K>
       struct RayStates
       {
@@ -37,6 +38,7 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
+        /*! Sets the final tfar of rays, see NearestHit::end. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -51,6 +53,7 @@ namespace embree
         }
       };
 
+      /*! See LocalRay and FrameRay. */
       template<int K>
       struct FrameRays
       {
@@ -61,7 +64,8 @@ namespace embree
         vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their hits. */
+        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their nearest
+         *  hits. */
         __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
                                      const vbool<K>& valid)
         {
@@ -142,12 +146,13 @@ namespace embree
         }
       };
 
-      /*! s where rays enter and leave a box: in x and y, in z, and in all three. */
+      /*! Values of s where rays enter and leave a box: in x and y, in z, and in all three. */
       template<int K>
       struct BoxRangesK
       {
         vfloat<K> enterXY, leaveXY, enterZ, leaveZ, sNear, sFar;
 
+        /*! flipXY: see FrameRay, the same for all rays. i: box. */
         template<int N>
         __forceinline void set (const FrameRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
         {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The paper's representations, as used by single-ray traversal. traversal/kind_visitors1.h replaces this file in
- * libraries without them. */
+/* Interface of the paper's representations for single-ray traversal: selects the intersector by the block's kind.
+ * traversal/kind_visitors1.h contains the replacement for libraries without them. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"
@@ -15,18 +15,20 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! State of a ray for all blocks with frames that it visits. */
       class FramedRay
       {
       public:
+        /*! tfar: the ray's, before any hit. */
         __forceinline explicit FramedRay (float tfar) : state(tfar) {}
 
-        /*! type: of a leaf of the top-level tree. */
+        /*! True if a leaf of the top-level BVH is a block with a frame. type: see base/primitive_type.h. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
-        /*! t: where the ray enters the next block's bounds. */
+        /*! Must be called before intersect(). t: distance at which the ray enters the bounds of the next block. */
         __forceinline void setEnter (float t) { state.enter = t; }
 
-        /*! True if a hit was accepted. */
+        /*! Returns true if a hit was accepted. prim: a block with a frame; a damaged one has no hits. */
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
@@ -41,7 +43,7 @@ namespace embree
           }
         }
 
-        /*! Call it after the traversal. Returns the final tfar. */
+        /*! Returns the ray's final tfar, see NearestHit. Must be called after the traversal. */
         __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
 
       private:

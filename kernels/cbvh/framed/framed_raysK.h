@@ -19,7 +19,7 @@ namespace embree
       public:
         __forceinline explicit FramedRaysK (const vfloat<K>& tfar) : state(tfar) {}
 
-        /*! t: where the rays enter the next block's bounds. */
+        /*! Must be called before intersect(). t: distances at which rays enter the bounds of the next block. */
         __forceinline void setEnter (const vfloat<K>& t) { state.enter = t; }
 
         /*! Returns the rays that accepted a hit. */

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray in the frame of a block.
+/* A ray in the frame of a block: scalar version for shaders, tests and double precision. local_ray4.h is the SIMD
+ * version for traversal.
  *
  * The projective map transforms the part of the ray inside the block's box to a segment P(s) = P0 + s (P1-P0), s in
  * [0,1]. Traversal uses s only. The world parameter follows exactly from W at both ends:
@@ -13,9 +14,7 @@
  * size: position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from the
  * center than its longest side. This loss, times the map's stretch of each axis and of W, plus a few ulps of 1, all
  * divided by W, is the vector "epsilon". Traversal widens every bound by it. Neighboring blocks see the same ray
- * displaced by less than their epsilons, so no ray passes between them.
- *
- * local_ray4.h is the SIMD version. */
+ * displaced by less than their epsilons, so no ray passes between them. */
 
 #ifndef CBVH_LOCAL_RAY_H
 #define CBVH_LOCAL_RAY_H
@@ -25,7 +24,8 @@
 
 CBVH_BEGIN
 
-/*! Displacement of a ray: ulps of the distance between ray and block, and ulps of 1. */
+/*! Bounds of a ray's displacement by rounding, see above: in ulps of the distance between ray and block, and in ulps of
+ *  1. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 
@@ -50,7 +50,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
   return range;
 }
 
-/*! Keeps the part where o + s d >= 0. */
+/*! Clips a range of s to the part where o + s d >= 0. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
   if (d > Real(0)) range.lower = greater(range.lower,-o/d);
@@ -66,13 +66,13 @@ CVERT_REAL struct WorldRay
   Real tnear, tfar;
 };
 
-/*! Part of a ray in the frame. */
+/*! The part of a ray in a block's box. */
 CVERT_REAL struct Segment
 {
-  Real P0[3], P1[3];
+  Real P0[3], P1[3]; //!< both ends in the frame
   Real epsilon[3];   //!< see the top of this file
   Real t0, t1;       //!< parameters of the ray at both ends
-  Real w0, w1;
+  Real w0, w1;       //!< W at both ends
   bool startClipped; //!< starts at tnear, inside the box
   bool endClipped;   //!< ends at tfar, inside the box
   bool valid;        //!< false for a miss
@@ -94,7 +94,8 @@ CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int 
   return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
-/*! widening: factor of epsilon; 1 in the SIMD version. */
+/*! Maps a ray into the frame of a block, and clips it to the block's box. widening: factor of epsilon; 1 in the SIMD
+ *  version. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
@@ -141,7 +142,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_
   return segment;
 }
 
-/*! Fraction of the way from t0 to t1 at s. */
+/*! tau(s), see the top of this file: fraction of the way from t0 to t1. */
 CVERT_REAL CBVH_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
@@ -155,6 +156,7 @@ CVERT_REAL CBVH_FUNCTION Real localFraction (Real w0, Real w1, Real tau)
   return tw/(w0*(Real(1)-tau) + tw);
 }
 
+/*! Distance along the world-space ray at s. */
 CVERT_REAL CBVH_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
   return segment.t0 + worldFraction(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
 }
@@ -163,7 +165,7 @@ CVERT_REAL CBVH_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Re
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
-/*! Part of the segment's line within the first `axes` (2 or 3) axes of a box, widened by epsilon. */
+/*! Range of s in which the segment's line is inside of a box, widened by epsilon, on the first `axes` (2 or 3) axes. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
@@ -175,6 +177,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, 
   return range;
 }
 
+/*! True if a range of s overlaps [0,1]. */
 CVERT_REAL CBVH_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
   return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
 }

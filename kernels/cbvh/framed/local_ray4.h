@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* local_ray.h with a point per vector. */
+/* local_ray.h for single rays on the CPU, with the axes of a point in the lanes of a vector. */
 
 #include "local_ray.h"
 #include "nearest_hit.h"
@@ -18,22 +18,23 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! A ray, and its nearest hit in blocks with frames. The direction is scaled to a largest component of 1, so that
-       *  squares of directions of length 1e-20 or 1e20 neither overflow nor underflow. */
+      /*! A ray, and its nearest hit in blocks with frames. The direction is scaled so that its largest component is 1:
+       *  squares of directions of length 1e-20 or 1e20 then neither overflow nor underflow. t' is the distance along
+       *  the scaled direction, t the distance along the application's. */
       struct RayState
       {
         Vec3fa org, dir;
-        float scale;    //!< t = t' * scale, t' along dir
-        float rcpScale;
-        float rcpDir2;
-        float scaledTnear; //!< tnear in units of t'
+        float scale;    //!< t = t' * scale
+        float rcpScale; //!< t' = t * rcpScale
+        float rcpDir2;  //!< 1/(dir.dir)
+        float scaledTnear; //!< tnear as t'
         float tfar;        //!< the ray's tfar before any hit
         float enter;       //!< lower bound of the distance to the block's bounds
         mutable NearestHit nearest;
 
         bool isSet;
 
-        /*! The first block sets the other members: many rays visit none. */
+        /*! set() must be called before the first block; many rays visit none. */
         __forceinline explicit RayState (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
         __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
 
@@ -51,11 +52,11 @@ namespace embree
         }
       };
 
-      /*! Stretch of a block's map from world space to the frame. */
+      /*! Stretch of a block's map from world space to the frame, for LocalRay::epsilon. */
       struct BlockStretch
       {
-        vfloat4 withW; //!< of x, y and z, each plus the stretch of W
-        float longest; //!< approximate extent of the box
+        vfloat4 withW; //!< stretch of x, y and z, each plus the stretch of W
+        float longest; //!< approximate largest extent of the box, in world space
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
         {
@@ -65,22 +66,22 @@ namespace embree
         }
       };
 
-      /*! t: along the scaled direction. Returns 1 from the segment's end on. */
+      /*! Returns s at distance t along the scaled direction, or 1 from the segment's end on. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
         return t < t1 ? localFraction(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
 
-      /*! Bound of the error of s of a world parameter. */
+      /*! Bound of the error of localParameter(). */
       static const float slackOfS = 1e-5f;
 
-      /*! Products in sums are explicitly fused or not, so that packets compute the same bits (frame_rays.h). */
+      /*! The part of a ray in a block's box. Products in sums are explicitly fused or not, so that packets compute the
+       *  same bits (frame_rays.h). */
       struct LocalRay
       {
-        /*! Lanes x, y, z; W, which is undefined after the division. */
-        vfloat4 P0, P1;
-        vfloat4 epsilon;
-        float t0, t1;     //!< ends of the segment, in units of t'
-        float w0, w1;
+        vfloat4 P0, P1;   //!< both ends in the frame; lane 3 is undefined
+        vfloat4 epsilon;  //!< see local_ray.h; lane 3 is undefined
+        float t0, t1;     //!< ends of the segment, as t'
+        float w0, w1;     //!< W at both ends
         bool startClipped; //!< see Segment
         bool endClipped;
 
@@ -117,13 +118,13 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! s at or after world parameter t, with slack for rounding. */
+        /*! Returns an s that is not before distance t along the application's ray, despite rounding. */
         __forceinline float parameterAfter (float rcpScale, float t) const {
           return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
         }
 
       private:
-        /*! Where X >= 0, W-X >= 0, and so on. */
+        /*! Range of the ray inside of the box: where X >= 0, W-X >= 0, and so on. `outside`: it is empty. */
         struct Clip
         {
           float tauIn, tauOut;

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Morton order: x in the even bits. */
+/* Morton order (Z-order) of nodes and leaves of a block: bits of x and y alternate, x in the even bits. The children of
+ * node m are nodes 4 m to 4 m + 3 of the next level. */
 
 #ifndef CBVH_MORTON_H
 #define CBVH_MORTON_H
@@ -18,6 +19,7 @@ CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
   return (x | (x << 1)) & 0x5555u;
 }
 
+/*! Inverse of spreadBits. */
 CBVH_FUNCTION uint32_t gatherBits (uint32_t x)
 {
   x &= 0x5555u;
@@ -33,7 +35,7 @@ CBVH_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 /*! Column (axis 0) or row (axis 1) of a child, or of a box's corner. */
 CBVH_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
-/*! Nodes in the first n levels, and index of the first node of level n. */
+/*! Number of nodes in the first n levels, which is also the index of the first word of level n. */
 CBVH_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* The rule that makes hits in blocks with frames independent of the order in which blocks are visited. */
+
 #include "block.h"
 #include "../base/surface_ids.h"
 #include "../embree/simd.h"
@@ -15,18 +17,20 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! The nearest hit of a ray in blocks with frames, independent of the order of visits. Blocks extend slightly
-       *  past their top-level bounds (framed/block_bounds.h). Hits are compared by distance, but by no less than the
-       *  distance at which the ray enters the block's bounds. Traversal culls with this distance, which is the ray's
-       *  tfar until the end of traversal; then tfar becomes the hit's own distance. Ties are resolved by own distances,
-       *  then by the order of faces and blocks. */
+      /*! The nearest hit of a ray in blocks with frames. Blocks extend slightly past their top-level bounds
+       *  (block_bounds.h), so a ray can hit a block before it enters the block's bounds; traversal may then already
+       *  have culled the block. Hits are therefore compared by the greater one of two distances: the hit's own, and the
+       *  one at which the ray enters the block's bounds. This distance is the ray's tfar during the traversal; at its
+       *  end, tfar becomes the hit's own distance. Ties are resolved by own distances, then by the order of faces and
+       *  blocks. */
       struct NearestHit
       {
         float t = pos_inf;   //!< distance by which hits are compared
         float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 
-        /*! tfar: the ray's, whose hit can be of another kind. */
+        /*! True if the current hit takes precedence over another one. tfar: the ray's current one; its hit can be of
+         *  another kind than blocks with frames. */
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
@@ -37,7 +41,7 @@ namespace embree
           this->t = t; this->own = own; this->block = block;
         }
 
-        /*! The ray's final tfar. */
+        /*! Returns the ray's final tfar: the hit's own distance, if the ray's nearest hit is this one. */
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:

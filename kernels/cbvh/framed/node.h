@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Words of inner nodes: 32 bits for the bounds of 4 children, relative to their parent's decoded bounds. The children
- * are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row).
+/* Format of inner nodes: a word of 32 bits for the bounds of 4 children, relative to their parent's decoded bounds. The
+ * children are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row). node_encoder.h
+ * encodes words; node_decoder4.h is the SIMD decoder. This header compiles as C++ and GLSL.
  *
  *   column      0        1          Siblings share planes: both children of a
  *            |-----|  |-----|       column (row) have the same two x (y) planes,
@@ -27,7 +28,7 @@
 
 CBVH_BEGIN
 
-/*! In the block's frame; the block's box is [0,1]^3. */
+/*! Bounds of a node in the block's frame, in which the block's box is [0,1]^3. */
 struct NodeBox
 {
   float lower[3];
@@ -43,21 +44,23 @@ CBVH_FUNCTION NodeBox rootBox ()
 
 CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
+/*! 2^-20, see above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
 /* Codebooks are packed into words, because GPUs would load tables from memory. */
 
+/*! Byte i, 0 to 7, of two words. */
 CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Small, because outer planes only
- *  compensate for the parent's rounding. */
+/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Small, because outer
+ *  planes only compensate for the parent's rounding. */
 CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
-/*! Upper plane of column 0, which the lower plane of column 1 mirrors: 116, 125, 130, 136, 144, 160, 192 or 256 of 256
- *  (packed less 1). Fine around the middle, where frames aligned to patches put it, and 1 for surfaces that fold over
- *  their neighbor. */
+/*! Inner plane, in parent extents: upper plane of column 0, which the lower plane of column 1 mirrors. 116, 125, 130,
+ *  136, 144, 160, 192 or 256 of 256; the packed bytes are less by 1. Fine steps around the middle, where planes are in
+ *  frames that are aligned to patches; 256 for surfaces that fold over their neighbor. */
 CBVH_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
@@ -92,7 +95,7 @@ CVERT_CONSTANT int zBits = 3;
 CBVH_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
 CBVH_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
-/*! In parent extents. pair: 5 bits. */
+/*! Planes of a column (x) or row (y), in parent extents. pair: the 5 bits of a plane pair. */
 CBVH_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }

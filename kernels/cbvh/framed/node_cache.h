@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Decoded nodes of blocks with frames.
+/* Decoded nodes of blocks with frames, in the cache of a thread (base/thread_cache.h). block_tiles.h fills it.
  *
- * A tile has the two levels below a node, which traversal tests at once: four children and sixteen grandchildren.
+ * A tile contains the two levels below a node, which traversal tests at once: four children and sixteen grandchildren.
  * Grandchildren are decoded when a ray first intersects their parent. */
 
 #include "../base/thread_cache.h"
@@ -15,17 +15,18 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! In the frame: [axis][0 lower, 1 upper][node]. */
+    /*! Planes of N boxes in the frame: [axis][0 lower, 1 upper][node]. */
     template<int N>
     struct alignas(64) NodePlanes { float at[3][2][N]; };
 
+    /*! Surfaces of 16 leaves of cLEAF (leaf/format.h). */
     struct LeafSurfaces
     {
-      /*! Per leaf: lower x and y of its box, and reciprocals of its extents in x and y. */
+      /*! Lower x and y of each leaf's box, and reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3] at (u,v) in the box
       float reach[16];                //!< half the thickness of each leaf, in z
-      uint32_t solid, empty;          //!< masks of leaves
+      uint32_t solid, empty;          //!< masks of leaves, see LeafPatch
     };
 
     class NodeEntries
@@ -35,10 +36,10 @@ namespace embree
       {
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
-        const void* block;
+        const void* block;            //!< null in an empty slot
         uint32_t number;              //!< number of the tile in its block, see BlockTiles
-        uint32_t decoded;             //!< children whose children are decoded
-        uint32_t present;             //!< grandchildren that exist: all, except in tiles above the root
+        uint32_t decoded;             //!< mask of children whose children are decoded
+        uint32_t present;             //!< mask of grandchildren that exist: all, except in tiles above the root
 
         __forceinline bool isAboveRoot () const { return number == 0; }
       };
@@ -48,7 +49,7 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! If the slot's `block` or `number` differ, the caller must fill it and set them. */
+      /*! If the slot's `block` or `number` differs, the caller must fill the slot and set both. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
         return leafTiles[slot(block,number) % numLeafTiles];

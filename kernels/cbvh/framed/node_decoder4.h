@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Decodes four children of nodes (node.h) and of cLEAF groups (leaf/format.h). `first`: index in the output. */
+/* SIMD decoder of nodes (node.h) and of cLEAF groups (leaf/format.h): all four children of a word at once. `first` is
+ * the index of the first child in the output. block_tiles.h calls it. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -29,7 +30,7 @@ namespace embree
         return box;
       }
 
-      /*! lower, upper: in parent extents. */
+      /*! Stores the planes of four children on an axis. lower, upper: in parent extents. */
       template<int N>
       __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower,
                                       const vfloat4& upper, const NodeBox& parent)
@@ -39,6 +40,7 @@ namespace embree
         vfloat4::store(out.at[axis][1]+first,madd(upper,extent,from));
       }
 
+      /*! Decodes the children of an inner node. */
       template<int N>
       __forceinline void decodeNode (uint32_t word, const NodeBox& parent, NodePlanes<N>& out, uint32_t first)
       {
@@ -51,13 +53,15 @@ namespace embree
         storePlanes(out,first,2,vfloat4(_mm_movelh_ps(z0,z1)),vfloat4(_mm_movehl_ps(z1,z0)),parent);
       }
 
+      /*! Decodes the four leaves of a group: their boxes and surfaces. */
       class GroupDecoder4
       {
       public:
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
           : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! bits: heights of the group. */
+        /*! word: of the group. bits: its Heights, whose highest bit is set for loose groups. parent: box of the
+         *  group. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
@@ -77,7 +81,8 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! q: in bins, at the leaves' corners. base: z of height 0. */
+        /*! q: heights at corners (0,0), (1,0), (0,1) and (1,1) of each leaf's box, in bins. bin: extent of a bin in z.
+         *  base: z of height 0. thickness: in bins. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -85,6 +90,7 @@ namespace embree
           vfloat4::store(surfaces.reach+first,vfloat4(0.5f*thickness)*bin);
         }
 
+        /*! solid, empty: masks of the four leaves. */
         __forceinline void setLeaves (size_t solid, size_t empty)
         {
           surfaces.solid = (surfaces.solid & ~(15u << first)) | uint32_t(solid) << first;
@@ -117,6 +123,7 @@ namespace embree
           setLeaves(0,0);
         }
 
+        /*! Extracts the lattice's nine heights, see Heights, and distributes them to the corners of leaves. */
         static __forceinline void latticeCorners (uint64_t bits, vfloat4 corner[4])
         {
           const __m128i bytes = _mm_cvtsi64_si128((long long)bits);
@@ -125,7 +132,7 @@ namespace embree
           for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCorner[k])));
         }
 
-        /*! control: as for _mm_shuffle_epi8. */
+        /*! _mm_shuffle_epi8 for controls that select only the lowest byte of each lane. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
 #if defined(CBVH_BYTE_SHUFFLES)

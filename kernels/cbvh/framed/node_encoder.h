@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Encodes node words (node.h), in double, because it must not round inwards. */
+/* Encodes node words (node.h). Decoded planes are computed in float, as decoders do, and compared in double with the
+ * exact bounds, so that no plane is rounded inwards. */
 
 #include "node.h"
 #include "../base/codec.h"
@@ -14,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Padded to full lanes. */
+    /*! Bounds in the frame, not rounded, padded to full lanes. Initially empty. */
     struct ExactBox
     {
       double lower[4] = { 1e300, 1e300, 1e300, 1e300 };
@@ -38,6 +39,7 @@ namespace embree
       }
     };
 
+    /* The codebooks of node.h with one code per lane; innerPositions from code q on. */
     inline Float4 outerOffsets() { return Float4(outerOffset(0),outerOffset(1),outerOffset(2),outerOffset(3)); }
     inline Float4 innerPositions(uint32_t q) {
       return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3));
@@ -46,13 +48,15 @@ namespace embree
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
-    /*! outer, inner: planes that contain the children. Selects the highest outer and the lowest inner one. */
+    /*! Returns a plane pair. outer, inner: masks of the codes whose planes contain the children. Selects the tightest:
+     *  the highest outer and the lowest inner code. */
     inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Highest lower planes of both columns that keep the slack. Outer code 0, the parent's plane, and inner code 7
-     *  always do. */
+    /*! Plane pair with the highest lower planes of both columns that keep containmentSlack. Outer code 0 and inner code
+     *  7, the parent's planes, always keep it. lower, extent: of the parent. outer, inner: exact lower bounds of
+     *  columns 0 and 1. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -62,7 +66,7 @@ namespace embree
                       | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
 
-    /*! As above, for upper planes. */
+    /*! As above, with the lowest upper planes. outer, inner: exact upper bounds of columns 1 and 0. */
     inline uint32_t encodeUpperPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -72,7 +76,7 @@ namespace embree
                       | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
-    /*! z intervals of a parent, sorted by size, then by code. */
+    /*! The eight z intervals in a parent, from the smallest to the largest. */
     class IntervalsOf
     {
     public:
@@ -87,12 +91,13 @@ namespace embree
         upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
       }
 
-      /*! Smallest interval that contains a child. Interval 0 always does. */
+      /*! Returns the code of the smallest interval that contains a child with the slack. Interval 0 always does. */
       uint32_t smallest(double childLower, double childUpper) const
       {
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
         uint32_t contains = 1u << 7;
         for (int i=0; i<2; i++) contains |= ((lower[i] <= l) & (u <= upper[i])).bits() << (4*i);
+        // codes in the order of the lanes
         return (0x01237654u >> (4*lowestBit(contains))) & 7u;
       }
 
@@ -100,7 +105,8 @@ namespace embree
       Double4 lower[2], upper[2];
     };
 
-    /*! Children without geometry get arbitrary bounds. The parent must contain all children with the slack. */
+    /*! Returns the word of a node. parent: its decoded box, which must contain all children with the slack. Children
+     *  without geometry get arbitrary bounds. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
@@ -120,7 +126,7 @@ namespace embree
       return node;
     }
 
-    /*! As decodeChild(). */
+    /*! The boxes of a node's children, decoded as by decodeChild(). */
     struct NodeBoxes
     {
       float lower[3][4], extent[3][4];

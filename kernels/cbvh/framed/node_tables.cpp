@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the lowest ISA only, because this code runs when the library is loaded. */
+/* Compiled once, for the library's lowest instruction set, because it runs when the library is loaded. */
 
 #include "node_tables.h"
 #include "leaf/format.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tables for node_decoder4.h. A load per pair of planes replaces shifts, conversions and selects, and is the same on
- * every ISA. */
+/* Tables for node_decoder4.h and tile_hits.h. One load per pair of planes replaces shifts, conversions and selects, and
+ * returns the same floats for every instruction set. They are computed once, when the library is loaded. */
 
 #include <cstdint>
 
@@ -14,20 +14,20 @@ namespace embree
   {
     struct alignas(64) NodeTables
     {
-      /*! [axis][pair][child]: planes in parent extents. */
+      /*! [axis][plane pair][child]: planes in parent extents, see lowerPlane() and upperPlane() in node.h. */
       float lowerPlane[2][32][4];
       float upperPlane[2][32][4];
 
-      /*! [6 bits of two children]: their lower planes, then their upper planes. */
+      /*! [z codes of two children]: their lower planes in z, then their upper planes, in parent extents. */
       float zPair[64][4];
 
-      float latticeOuter[32];
+      float latticeOuter[32]; //!< latticeOuter() of leaf/format.h
 
-      /*! [corner]: per leaf, the byte of the corner's height among the nine heights of a lattice, the middle one last.
-       *  Other bytes of each lane are 0x80, so that byte shuffles return integers. */
+      /*! [corner][4 leaf]: index of the corner's height among the nine heights of a lattice, the middle one last. The
+       *  other three bytes of each lane are 0x80, so that byte shuffles return integers. */
       alignas(16) uint8_t latticeCorner[4][16];
 
-      /*! Each bit as the lowest of four bits, and as all four. */
+      /*! Expand each bit of a mask of four to four bits: the lowest of them only, and all of them. */
       uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();

@@ -3,16 +3,17 @@
 
 #pragma once
 
-/* Borders of patches on edges of a lower rate. Embree evaluates such a border at the lower rate, and gives each of its
- * vertices to several vertices of the patch, between which quads collapse. Blocks with frames keep only the nearest of
- * these vertices, and distribute the others over the straight line to the next one:
+/* Borders of patches on edges of a lower rate. Embree evaluates such a border at the lower rate, and moves several
+ * vertices of the patch to each of its vertices; the quads between them collapse. For blocks with frames, only the
+ * nearest one stays there, and the others are distributed over the straight line to the next vertex. framed/writer.h
+ * calls this before it encodes blocks.
  *
  *     x---x---x---x---x---x      x: vertices of the patch
  *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
  *     o---x---x-o-x---x---o
  *
- * The border is the same polyline except for a lip of 2^-20. No quad collapses or extends over another block.
- * Parameters along the border differ from the regular patch by at most half a quad. */
+ * The border is the same polyline except for an outward displacement of 2^-20. No quad collapses or extends over
+ * another block. Parameters along the border differ from the regular patch by at most half a quad. */
 
 #include "../surface/shared_border.h"
 #include <cmath>
@@ -21,8 +22,9 @@ namespace embree
 {
   namespace isa
   {
-    /*! Moves a point of a border outward by the rounding of the point and of triangle tests, which could leave a gap to
-     *  a neighbor without a vertex there. */
+    /*! Moves a point of a border outward by 2^-20 of its largest coordinate, but at most 1/16 of a quad: rounding of
+     *  the point and of triangle tests could otherwise leave a gap to a neighbor without a vertex there. inner: the
+     *  next vertex inside of the patch. */
     inline cbvh::Double3 movedOutward (const cbvh::Double3& p, const cbvh::Double3& inner)
     {
       const cbvh::Double3 outward = p - inner;
@@ -32,7 +34,8 @@ namespace embree
       return distance > 0 ? p + (lip/distance)*outward : p;
     }
 
-    /*! border: fine+1 vertices with stride `along`, stitched to `coarse` quads. inward: stride to the next row. */
+    /*! Spreads one side of a patch. border: its fine+1 vertices, `along` vertices apart in memory, stitched to `coarse`
+     *  quads. inward: distance in memory to the next row of vertices, in vertices. */
     inline void spreadBorder (float (*border)[3], ssize_t along, ssize_t inward, unsigned fine, unsigned coarse)
     {
       if (fine == coarse) return;
@@ -50,7 +53,8 @@ namespace embree
       }
     }
 
-    /*! vertices: of the size of `patch`. rate: in the order of SurfacePatch::rate, not above the patch's own. */
+    /*! Spreads all sides of a patch. vertices: as many as `patch` has, row by row. rate: of the four sides, in the
+     *  order of surface/source.h, at most the patch's quads there. */
     inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
     {
       const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* The nodes of a tile that a ray intersects, in front-to-back order.
+/* The grandchildren of a tile (node_cache.h) that a ray intersects, in front-to-back order, for block_walk1.h.
  *
  * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
- * with the bits of descending axes flipped. Of four ranks, 1 and 2 are alternatives. If their boxes overlap, a ray can
- * intersect both; the nearer one is then visited first. */
+ * with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: they have no order unless
+ * their boxes overlap. A ray can then intersect both; the nearer one is visited first. */
 
 #include "block_tiles.h"
 #include "frame_ray.h"
@@ -23,12 +23,13 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! Ranks to visit. passedMask: all bits to include ranks that the ray passes, otherwise 0. */
+        /*! Mask of ranks to visit. passedMask: all bits to include ranks that the ray passes, otherwise 0. */
         __forceinline uint32_t events (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
 
-        /*! Removes a rank and all before it. True if the ray intersects its node. */
+        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node, false if it passes
+         *  it. */
         __forceinline bool removeUpTo (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
@@ -36,11 +37,12 @@ namespace embree
           return isHit;
         }
 
+        /*! True if the ray passes the grandchild's parent as a whole. */
         __forceinline bool isPassedByParent (uint32_t grandchild) const {
           return !((childHit >> (grandchild >> 2)) & 1u);
         }
 
-        /*! The result's upper bits are the child. */
+        /*! Grandchild of a rank. Bits 2 and 3 of the result are its parent among the children. */
         __forceinline uint32_t grandchild (uint32_t rank) const
         {
           uint32_t p = rank;
@@ -73,6 +75,7 @@ namespace embree
           const uint32_t met = children.hit | children.passed;
           if (unlikely(((met >> a) & (met >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
             swaps |= childSwap;
+            // exchanges the ranks of children 1 and 2, in both halves
             ranks = (ranks & 0xF00FF00Fu) | (ranks & 0x00F000F0u) << 4 | (ranks & 0x0F000F00u) >> 4;
           }
           swapOverlapping();
@@ -97,7 +100,7 @@ namespace embree
 
         static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! m: two masks of grandchildren. */
+        /*! Converts masks of grandchildren to masks of ranks. m: two masks of 16 bits. first: FrameRay::flipXY. */
         static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {
@@ -111,6 +114,7 @@ namespace embree
           return m;
         }
 
+        /*! Sets ranks in the order of directions. first: as above. */
         __forceinline void setPlaces (const BoxMasks& masks, uint32_t first)
         {
           flip = first | first << 2;
@@ -118,7 +122,7 @@ namespace embree
           ranks = toRanks(masks.hit | masks.passed << 16,first);
         }
 
-        /*! Swaps alternatives if the second is nearer. */
+        /*! Swaps alternatives among siblings if the ray overlaps both and the second is nearer. */
         __forceinline void swapOverlapping ()
         {
           const uint32_t either = ranks | ranks >> 16;
@@ -134,8 +138,8 @@ namespace embree
 
         /*! Lower half: intersected ranks. Upper half: passed ranks; if the ray passes an entire child, its first. */
         uint32_t ranks;
-        uint32_t childHit;
-        uint32_t flip, swaps; //!< swaps: one bit per four ranks with swapped alternatives
+        uint32_t childHit;    //!< mask of children that the ray intersects
+        uint32_t flip, swaps; //!< swaps: a bit per four ranks with swapped alternatives, and childSwap for the children
       };
     }
   }

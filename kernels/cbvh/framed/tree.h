@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The words of a block as a tree, for all kinds of leaves. */
+/* Scalar decoding of a block's tree, for all kinds: the box of a node's child, whether its word is a node's or a
+ * group's. The first part compiles as C++ and GLSL. */
 
 #ifndef CBVH_TREE_H
 #define CBVH_TREE_H
@@ -11,11 +12,13 @@
 
 CBVH_BEGIN
 
+/*! True if words of a level are groups (leaf/format.h). nodeLevels: see BlockLayout. */
 CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
-/*! group: the word is a group's. heights: ignored otherwise. */
+/*! Box of a child. group: the word is a group's. heights: of the group; not used for other words. parent: decoded box
+ *  of the word's node. */
 CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
@@ -29,6 +32,7 @@ CBVH_END
 
 CBVH_BEGIN
 
+/*! Heights of group m of a cLEAF block. */
 inline Heights heightsOf (const Block* block, uint32_t m)
 {
   Heights heights;
@@ -36,7 +40,7 @@ inline Heights heightsOf (const Block* block, uint32_t m)
   return heights;
 }
 
-/*! parent: bounds of node m. */
+/*! Box of child c of node m of a level. parent: decoded box of the node. */
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);
@@ -44,7 +48,7 @@ inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_
     parent);
 }
 
-/*! parent: decoded bounds of group m. */
+/*! Leaf c of group m of a cLEAF block. parent: decoded box of the group. */
 inline LeafPatch leafOfGroup (const Block* block, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const uint32_t level = block->layout().nodeLevels-1;

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Writes patches of a cage as blocks with frames of one kind, or as Embree's grids if they cannot be compressed. Each
- * task owns a writer, which reuses its memory. */
+/* Writer of the paper's representations: divides patches of a cage into blocks with frames (tiling.h), encodes them,
+ * and appends them to a store. Blocks that cannot be compressed become Embree's grids. Each task owns a writer, which
+ * reuses its memory. building/cage_source.h calls it. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -19,12 +20,14 @@ namespace embree
     class FramedWriter
     {
     public:
-      /*! If plan.sharesBorders(), faces share borders, and patches may be stored as cVERT. */
+      /*! If plan.sharesBorders(), patches have the vertices that faces share (surface/shared_border.h), and the caller
+       *  must be able to store a patch as cVERT, see write(). The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
 
-      /*! Smallest frame level at which no leaf is thicker than maxError. */
+      /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, in world space, or the
+       *  patch's level. Encodes blocks to measure this, but writes nothing. */
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
@@ -49,11 +52,12 @@ namespace embree
         return level;
       }
 
-      /*! Returns false, and writes nothing, if the patch should be stored as cVERT. */
+      /*! Writes a patch. Returns false, and writes nothing, if the caller should store the patch as cVERT. */
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
-        /* nodes have no code for children without surface, so only leaves can leave out quads */
+        /* holes: quads with vertices that are not finite. Only some kinds of leaves can leave out quads; nodes
+         * cannot. */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
@@ -89,8 +93,8 @@ namespace embree
         return true;
       }
 
-      /*! Vertices of the last patch as its face evaluates them; null if they were evaluated with another number of
-       *  quads. Requires plan.sharesBorders(). */
+      /*! Returns the vertices of the last patch as its face evaluates them, before borders were shared; null if they
+       *  were evaluated with another number of quads. Requires plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
         return isEvaluated ? (const float(*)[3])own.data() : nullptr;
@@ -105,7 +109,7 @@ namespace embree
         PatchTiling tiling;
         unsigned height;
         unsigned index, x, y;   //!< position of the block in the tiling
-        uint32_t sharpSides = 0;
+        uint32_t sharpSides = 0; //!< see BlockEncoder::encode
         cbvh::BlockLayout layout;
         float corners[4][3];    //!< corners to which the frame is aligned
 
@@ -115,13 +119,14 @@ namespace embree
 
         size_t width () const { return (size_t(1) << height) + 1; }
 
-        /*! Sides of the patch on which the block is. */
+        /*! Mask of the patch's sides at which the block is, numbered as in surface/source.h. */
         uint32_t sidesOfPatch () const {
           return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2
             | uint32_t(x == 0) << 3;
         }
       };
 
+      /*! Sets patchVertices, isStitched and, if borders are shared, `own`. */
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
@@ -147,6 +152,7 @@ namespace embree
 
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
 
+      /*! Copies the vertices of a block, and sets the corners to which its frame is aligned. */
       void gather (Encoding& e)
       {
         const size_t w = e.width();
@@ -168,6 +174,8 @@ namespace embree
         return finite;
       }
 
+      /*! Encodes a block to `block`, and sets its bounds in `blocks`. Instead, writes a grid or a block of cGRID to the
+       *  store if the kind cannot represent the quads, or nothing if they are invalid or the patch becomes cVERT. */
       void writeBlock (const CagePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch,
                        cbvh::WorldBounds& hitBoundsOfPatch)
       {
@@ -239,14 +247,14 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       const GridSOAWriter grids;
-      cbvh::LeafFit fit;
+      cbvh::LeafFit fit;             //!< of the current patch
       PatchVertices* patchVertices = nullptr;
-      bool isStitched = false;       //!< an edge has a lower rate than the quads
-      std::vector<BBox3fa> blocks;   //!< by position in the tiling; empty for blocks that were not encoded
+      bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
+      std::vector<BBox3fa> blocks;   //!< bounds by position in the tiling; empty for blocks that were not encoded
       mvector<float> own;            //!< vertices as the patch's face evaluates them
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
-      mvector<Vec3fa> encoded;       //!< of a patch, or a trial block
+      mvector<Vec3fa> encoded;       //!< blocks of a patch, or one block of boundedFrameLevel()
     };
   }
 }

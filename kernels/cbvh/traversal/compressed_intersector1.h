@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* BVH4 traversal of single rays over blocks and grids. */
+/* Single-ray queries of the top-level BVH4, which Embree calls for scenes with compressed geometries: one class for the
+ * tree of surfaces at rest, one for the tree of moving surfaces. Leaves are blocks of any representation
+ * (kind_visitors1.h), or Embree's grids for patches that are not compressed. */
 
 #include "top_level1.h"
 #include "kind_visitors1.h"
@@ -13,10 +15,12 @@ namespace embree
 {
   namespace isa
   {
+    /*! Intersects leaves: blocks, and grids by Embree's intersector. */
     struct CompressedSubdivIntersector1
     {
       typedef void Primitive;
 
+      /*! State of a ray for leaves of all types. */
       struct State : public SubdivPatch1Intersector1::Precalculations
       {
         __forceinline State (const Ray& ray, const void* ptr)
@@ -49,12 +53,14 @@ namespace embree
       }
     };
 
+    /*! Queries of the tree of surfaces at rest. */
     struct CompressedSubdivTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
+        // filter functions must see hits of blocks with frames in order, see top_level1.h
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,cbvh::StaticNodes(),ray,leaves);
@@ -64,7 +70,7 @@ namespace embree
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        // tfar < 0: the ray has ended
+        // tfar < 0: Embree's mark of an any-hit ray that has found a hit
         if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return;
         CompressedSubdivIntersector1::State state(ray,bvh);
         const bool isOccluded =
@@ -82,6 +88,7 @@ namespace embree
       }
 
     private:
+      /*! The Leaves of traverseClosestHit1. */
       struct Leaves
       {
         const Accel::Intersectors* This;
@@ -108,7 +115,8 @@ namespace embree
       };
     };
 
-    /*! Traversal of moving blocks. Rays that miss the box around all of them cost little. */
+    /*! Queries of the tree of moving blocks, at the ray's time. Rays that miss the box around all of them cost
+     *  little. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
@@ -120,14 +128,15 @@ namespace embree
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        // tfar < 0: the ray has ended
+        // tfar < 0: see above
         if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray)
           && cbvh::mayIntersect(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
       }
 
-      /*! Box at all times. */
+      /*! Bounds of all blocks at all times. */
       static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
 
+      /* Without the test of the box, for callers that have done it. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
         Leaves leaves = { ray,context };
@@ -158,6 +167,7 @@ namespace embree
         return cbvh::intersectMovingBlock(type,ray,context,vertRay,block);
       }
 
+      /*! The Leaves of traverseClosestHit1. Moving blocks have no frames. */
       struct Leaves
       {
         RayHit& ray;

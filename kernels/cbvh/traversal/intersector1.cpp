@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Single-ray intersectors, instantiated for one instruction set. */
+
 #include "compressed_intersector1.h"
 
 namespace embree

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of packets and streams, instantiated for one ISA, with the hits of single rays. Rays of a coherent
- * context traverse the top-level BVH and blocks together. Other rays are traced one by one, as are rays through moving
- * blocks, which have different times. */
+/* Intersectors of packets and streams, instantiated for one instruction set. They find the same hits as single rays. If
+ * the context is coherent, rays traverse the top-level BVH and blocks together. Other rays are traced one by one, and
+ * so are rays through moving blocks, because they have different times. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
@@ -21,7 +21,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Blocks, and Embree's grids for uncompressed faces. */
+    /*! The Leaves of PacketTraversal: blocks, and Embree's grids for patches that are not compressed. */
     template<int K, typename Rays>
     class CompressedSubdivLeavesK
     {
@@ -30,7 +30,7 @@ namespace embree
       static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
 
     public:
-      vfloat<K> tfar; //!< ends of rays, see PacketTraversal
+      vfloat<K> tfar; //!< see PacketTraversal
 
       __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                              IntersectContext* context)
@@ -46,14 +46,16 @@ namespace embree
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
-      /*! Call it after the traversal. */
+      /*! Sets the rays' final tfar, see NearestHit. Must be called after the traversal. */
       __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
 
     private:
+      /*! Updates tfar. hit: rays that accepted a hit. */
       __forceinline void accept (const vbool<K>& hit) {
         tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
       }
 
+      /* Closest hits, then any hit, in one of Embree's grids. Return the rays that may have accepted a hit. */
       vbool<K> intersectGrid (const vbool<K>& valid, RayHitK<K>& rays, const GridSOA* prim, size_t type,
         const Tray& tray, size_t& lazyNode) {
         Grids::intersect(valid,This,grids,rays,context,prim,type,tray,lazyNode);
@@ -64,7 +66,7 @@ namespace embree
         return Grids::occluded(valid,This,grids,rays,context,prim,type,tray,lazyNode) & valid;
       }
 
-      /*! Returns the rays that accepted a hit. */
+      /*! Returns the rays that accepted a hit in a block. */
       __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
       {
         using namespace cbvh;
@@ -82,8 +84,8 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Copies a ray out of a packet. Origin and direction are composed in registers, because traversal loads them as
-     *  vectors, which would wait for stores of components. */
+    /*! Copies ray k of a packet. Origin and direction are composed in registers: traversal loads them as vectors, and
+     *  such a load would wait for separate stores of the components. */
     template<int K>
     __forceinline void setRay (Ray& ray, const RayK<K>& rays, size_t k)
     {
@@ -93,7 +95,8 @@ namespace embree
       ray.mask = rays.mask[k]; ray.id = rays.id[k]; ray.flags = rays.flags[k];
     }
 
-    /*! Traces the rays of `alone` with intersect(ray) or occluded(ray). */
+    /*! Calls intersect(ray) or occluded(ray) for each ray of a packet in the mask `alone`, and copies the results
+     *  back. */
     template<int K, typename Intersect>
     __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
@@ -126,12 +129,13 @@ namespace embree
       }
     }
 
-    /*! Active rays that may hit something. */
+    /*! Returns the active rays that may hit something, see mayHit(). mask: Embree's, -1 for active rays. */
     template<int K>
     __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
       return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
     }
 
+    /*! Packets through the tree of moving blocks. */
     template<int K>
     struct CompressedMotionIntersectorK
     {
@@ -142,6 +146,7 @@ namespace embree
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
+        // Embree's mark of any-hit rays that have found a hit
         const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
         traceOneByOne<K>(raysThatMayHit(*mask,bvh,rays) & ~ended,rays,
           [&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
@@ -156,6 +161,7 @@ namespace embree
       }
     };
 
+    /*! Packets through the tree of surfaces at rest. */
     template<int K>
     struct CompressedSubdivIntersectorK
     {
@@ -176,11 +182,11 @@ namespace embree
     private:
       struct Traced
       {
-        uint32_t alone; //!< rays that are not yet traced
+        uint32_t alone; //!< mask of rays that the caller must trace one by one
         vbool<K> ended; //!< any-hit rays that found a hit
       };
 
-      /*! Traces rays with the same direction signs together. */
+      /*! Traces groups of rays with the same signs of the direction together, if the context is coherent. */
       template<typename Rays>
       static __noinline Traced tracePacket (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                             IntersectContext* context)
@@ -198,6 +204,7 @@ namespace embree
           uint32_t same = rest;
           for (int axis=0; axis<3; axis++) same &= (descends[axis] >> k) & 1u ? descends[axis] : ~descends[axis];
           rest &= ~same;
+          // two rays gain too little from a common traversal
           if (popcnt(same) <= 2) alone |= same;
           else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,
             leaves);

@@ -3,6 +3,9 @@
 
 #pragma once
 
+/* Selects the intersector of a leaf of the top-level BVH by the leaf's type (base/primitive_type.h), for single
+ * rays. */
+
 
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
@@ -31,7 +34,8 @@ namespace embree
       };
 #endif
 
-      /*! False if the primitive is not a block. found: a hit was accepted. */
+      /*! Intersects a leaf that does not move. Returns false if it is not a block. found: set to true if a hit was
+       *  accepted. framed, vertRay: state of the ray for blocks with and without frames. */
       template<typename RayType>
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed,
                                          VertRay& vertRay, const void* prim, bool& found)
@@ -43,7 +47,7 @@ namespace embree
         return true;
       }
 
-      /*! type: of a moving block. True if a hit was accepted. */
+      /*! Intersects a leaf of the tree of moving blocks. Returns true if a hit was accepted. */
       template<typename RayType>
       __forceinline bool intersectMovingBlock (size_t type, RayType& ray, IntersectContext* context, VertRay& vertRay,
                                                const void* prim)

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Unlike
- * there, a ray only visits blocks whose bounds it intersects: otherwise it could hit geometry outside of these bounds
- * (framed/block_bounds.h). Entry distances are passed as in top_level1.h, so hits equal those of single rays. */
+/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. In
+ * contrast to Embree, a ray only visits blocks whose bounds it intersects, because it could otherwise hit geometry
+ * outside of these bounds (framed/block_bounds.h). Entry distances are passed as in top_level1.h. Hits therefore equal
+ * those of single rays. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -22,23 +23,24 @@ namespace embree
        *                     size_t& lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
        *     vfloat<K> tfar
-       *       Ends of rays; -inf for rays that have ended. Read after each intersect(). */
+       *       Ends of rays, or -inf for any-hit rays with a hit. The traversal reads it after each intersect(). */
       template<int K, typename Leaves>
       class PacketTraversal
       {
         typedef BVH4::NodeRef NodeRef;
         typedef TravRayK<K,true> Tray;
 
-        /*! enter: NaN for rays that miss the node */
+        /*! Entry of the stack. enter: per ray, where it enters the node's bounds; NaN for rays that miss them. */
         struct Entry
         {
           vfloat<K> enter;
           NodeRef node;
-          float first; //!< smallest entry distance
+          float first; //!< entry distance of the frustum, a lower bound of `enter`
         };
 
       public:
-        /*! Requires rays with the same signs of tray.rdir. k: the first one. */
+        /*! Traverses the tree with the rays in `valid`, which must have the same signs of tray.rdir. k: one of them.
+         *  Sets tray.tnear and tray.tfar. */
         static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
                                     Leaves& leaves)
         {
@@ -68,13 +70,14 @@ namespace embree
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            // for rays that intersected the leaf
+            // only for rays that intersected the leaf
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
           }
         }
 
       private:
-        /*! Embree's robust single-ray test, for packets. */
+        /*! Embree's robust test of a single ray against boxes, for packets: the same operations, with the same factors
+         *  of 3 ulps as PlaneFactors. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];
@@ -93,7 +96,7 @@ namespace embree
           __forceinline vbool<K> intersectBox (const BVH4::AABBNode* node, size_t i, const Tray& tray,
                                                vfloat<K>& enter) const
           {
-            const vfloat4* planes = &node->lower_x; // lower and upper per axis
+            const vfloat4* planes = &node->lower_x; // lower and upper planes, axis by axis
             vfloat<K> leave = tray.tfar;
             enter = tray.tnear;
             for (int axis=0; axis<3; axis++) {
@@ -104,7 +107,7 @@ namespace embree
           }
         };
 
-        /*! Intersected children, nearest last. */
+        /*! Pushes the children that rays intersect, the nearest one last. Returns the new top of the stack. */
         static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
                                                   const Tray& tray, Entry* top)
         {

@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries. The application's function is called for the primitive of each block within reach, possibly several
- * times. For blocks with numbers of quads and for mesh blocks, it is called for each primitive whose box, or whose
- * triangle's box, is within reach. As in Embree, queries find grids, quads and triangles at the query's time, but no
- * subdivision surfaces. */
+/* Point queries (rtcPointQuery) over compressed geometries. "Within reach" means closer to the query's point than its
+ * radius. The application's function is called for the primitive of each block within reach, possibly several times.
+ * For blocks with numbers of quads and for mesh blocks, it is called for each primitive whose box, or whose triangle's
+ * box, is within reach. As in Embree, queries find grids, quads and triangles at the query's time, but no subdivision
+ * surfaces. */
 
 #include "point_query.h"
 #include "../base/mapped_blocks.h"
@@ -30,7 +31,7 @@ namespace embree
       public:
         PointQueryTraversal (PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
 
-        /*! Visits nearest children first. True if a call changed the query. */
+        /*! Visits the leaves of a tree, nearest children first. Returns true if a call changed the query. */
         bool operator() (const BVH4* bvh)
         {
           if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
@@ -66,16 +67,16 @@ namespace embree
 
         bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
-        /*! largest distanceOf within reach */
+        /*! Largest value of distanceOf() within reach. It may decrease with each call of the application's function. */
         float maxDistance () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
-        /*! Distances of children: squared for a sphere, outside of the query's box otherwise. */
+        /*! Distances of a node's children: squared for a sphere, otherwise to the query's box, 0 for an overlap. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
           return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),
             outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
         }
 
-        /*! isPresent: children that exist at the query's time */
+        /*! As above, for a moving node. isPresent: children that exist at the query's time. */
         vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isPresent) const
         {
           const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
@@ -90,6 +91,7 @@ namespace embree
                               madd(time,node->upper_dz,node->upper_z)));
         }
 
+        /*! x, y, z: distances of boxes from the query's point on each axis. */
         vfloat4 distanceOf (const vfloat4& x, const vfloat4& y, const vfloat4& z) const
         {
           if (isSphere()) return x*x + y*y + z*z;
@@ -97,10 +99,12 @@ namespace embree
           return max(max(max(x-vfloat4(r.x),y-vfloat4(r.y)),z-vfloat4(r.z)),vfloat4(0.0f));
         }
 
+        /*! Distances of p from intervals, 0 inside. */
         static vfloat4 outside (float p, const vfloat4& lower, const vfloat4& upper) {
           return max(max(lower-vfloat4(p),vfloat4(p)-upper),vfloat4(0.0f));
         }
 
+        /*! Calls the application's function for the primitives of a leaf. Returns true if a call changed the query. */
         bool call (BVH4::NodeRef leaf)
         {
           size_t type;
@@ -123,7 +127,7 @@ namespace embree
 
         embree::cbvh::TraversalTime time () const { return { query->time,false }; }
 
-        /*! Skips primitives that are not finite. True if a call changed the query. */
+        /*! call() for a block with numbers of quads. Skips primitives that are not finite. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
@@ -132,6 +136,7 @@ namespace embree
           for (uint32_t y=0; y<vertQuadsY(header->region); y++)
             for (uint32_t x=0; x<vertQuadsX(header->region); x++)
             {
+              // the corners that both triangles of a quad share, and the other two
               const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) },
                 * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
@@ -143,7 +148,7 @@ namespace embree
           return changed;
         }
 
-        /*! True if a call changed the query. */
+        /*! call() for a mesh block. */
         bool callTriangles (Geometry* geometry, const MeshHeader* block)
         {
           if (!embree::cbvh::MeshAtTime::isPresent(block,time())) return false;
@@ -165,7 +170,7 @@ namespace embree
           return changed;
         }
 
-        /*! For a group of a block that does not move. */
+        /*! Returns false if a group of a mesh block that does not move is not within reach. Ignores a sheared axis. */
         bool isWithinReach (const MeshView& view, uint32_t g) const
         {
           BBox3fa bounds;
@@ -178,6 +183,8 @@ namespace embree
           return distanceOf(bounds) <= maxDistance();
         }
 
+        /*! Calls the application's function for a primitive if the box of the vertices is within reach. Returns true if
+         *  the call changed the query. */
         bool call (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
         {
           BBox3fa bounds(empty);
@@ -190,6 +197,7 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
+        /*! As above, for one box. */
         float distanceOf (const BBox3fa& bounds) const
         {
           float d[3];

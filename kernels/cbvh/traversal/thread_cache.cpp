@@ -1,7 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Memory of the per-thread caches (base/thread_cache.h), and the variables by which base/mapped_blocks.h recognizes
+ * blocks of mapped files. Compiled once, for the library's lowest instruction set: code for all instruction sets shares
+ * the caches. */
 
 #include "../base/mapped_blocks.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
@@ -24,11 +26,11 @@ namespace embree
     const size_t largeCaches = 0;
 #endif
 
-    /*! Entries: consists of CacheEntries. */
+    /*! Bytes of a cache that a thread uses. Arrays of CacheEntries use half of their memory unless largeCaches is 1. */
     template<typename Entries>
     static size_t bytesOf () { return sizeof(ThreadCache<Entries>)/(2-largeCaches); }
 
-    /* The code that maps blocks sets them, so that codecs do not depend on it. */
+    /* files/mapped_blocks.h sets them. They are defined here, so that decoders do not depend on files. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid(nullptr);
 
@@ -53,10 +55,11 @@ namespace embree
     template<typename Entries>
     ThreadCache<Entries>& ThreadCache<Entries>::renew (unsigned now)
     {
+      // frees the thread's cache at the thread's end
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
-        static thread_local Owner owner; // destroyed at the thread's end
-        (void)owner;
+        static thread_local Owner owner;
+        (void)owner; // its first use constructs it
         void* memory = nullptr;
         if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();
         current = (ThreadCache*)memory;
@@ -66,6 +69,7 @@ namespace embree
       return *current;
     }
 
+    /*! True if a cache, at the size for largeCaches, fits into the second-level cache that largeCaches requires. */
     template<typename Entries>
     constexpr bool fits () { return sizeof(ThreadCache<Entries>) < 1024*1024; }
 

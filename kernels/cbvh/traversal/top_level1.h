@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it passes the
- * distance at which the ray enters a leaf's bounds, so that results are independent of the order of blocks
- * (nearest_hit.h). */
+/* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it also passes
+ * the distance at which the ray enters a leaf's bounds, so that results are independent of the order of blocks
+ * (framed/nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -16,7 +16,10 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Intersect the children of a node; return their mask and distances. */
+      /* Nodes of a tree. operator() intersects the children of a node, and returns the mask of intersected children and
+       * their entry distances. `types`: Embree's bits for the types of nodes in the tree. */
+
+      /*! Nodes of the tree of surfaces at rest. */
       struct StaticNodes
       {
         static const int types = BVH_AN1;
@@ -25,6 +28,7 @@ namespace embree
         }
       };
 
+      /*! Nodes of the tree of moving surfaces, at a time from 0 to 1. */
       struct MovingNodes
       {
         static const int types = BVH_AN2_AN4D;
@@ -34,6 +38,7 @@ namespace embree
         }
       };
 
+      /*! Entry distance of a stack entry, whose bits Embree stores as an integer. */
       __forceinline float distanceOf (const StackItemT<BVH4::NodeRef>& entry)
       {
         float distance;
@@ -41,8 +46,8 @@ namespace embree
         return distance;
       }
 
-      /*! If an entry is nearer than the leaf, moves it to the top and puts the leaf in its place: leaves are visited in
-       *  order of distance. Embree sorts only the children of one node. */
+      /*! If a stack entry is nearer than the leaf, moves the nearest one to the top, puts the leaf in its place, and
+       *  returns true. Leaves are then visited in order of distance. Embree sorts only the children of one node. */
       __forceinline bool deferToNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
@@ -59,7 +64,7 @@ namespace embree
         return true;
       }
 
-      /*! Leaves: a class with
+      /*! Finds the closest hit of a ray. Leaves: a class with
        *
        *     bool isSorted
        *       True if blocks with frames must be visited in the order of their bounds, so that each hit that a filter
@@ -77,7 +82,7 @@ namespace embree
         typedef StackItemT<NodeRef> Entry;
 
         TopLevelRay tray(ray);
-        Entry stack[1+3*BVH4::maxDepth+3]; // stores are 16 lanes wide
+        Entry stack[1+3*BVH4::maxDepth+3]; // + 3: Embree pushes children with wider stores
         Entry* top = stack+1;
         stack[0].ptr = root;
         stack[0].dist = neg_inf;
@@ -114,7 +119,8 @@ namespace embree
         }
       }
 
-      /*! isOccluded(leaf,tray,lazyNode): true for a hit; lazyNode as above. */
+      /*! Returns true if the ray hits something. isOccluded(leaf,tray,lazyNode) must return true if it hits the leaf;
+       *  lazyNode: as above. */
       template<typename Nodes, typename IsOccluded>
       __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
                                           const IsOccluded& isOccluded)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays in the top-level BVH. They differ from Embree's in two ways:
+/* Rays in the top-level BVH, and tests that cull rays before its traversal. Rays differ from Embree's in two ways:
  *
  * Rays that are not finite are rejected. Comparisons with NaN would report hits of nonexistent children, and would make
  * a packet's bounds useless.
@@ -22,7 +22,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! True if origin and direction are finite, and tnear <= tfar. */
+      /*! True if origin and direction are finite, and tnear <= tfar. Other rays hit nothing. */
       __forceinline bool mayHit (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
@@ -39,7 +39,8 @@ namespace embree
         return finite;
       }
 
-      /*! By axis: `near` makes distances to planes smaller, `far` larger. */
+      /*! Reciprocals of a direction, by axis, and the factors that Embree's robust traversal multiplies distances from
+       *  planes with: `near` is smaller and `far` larger by 3 ulps, to cover rounding. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
@@ -49,8 +50,8 @@ namespace embree
             far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Returns false if the ray misses a box, and therefore, in the arithmetic of TopLevelRay, all boxes inside
-       *  it. */
+      /*! Returns false if the ray misses a box, and therefore, with the same rounding as in traversal, all boxes inside
+       *  of it. */
       __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
@@ -77,6 +78,8 @@ namespace embree
         return enter <= leave;
       }
 
+      /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: offsets of planes in a node, in
+       *  bytes. */
       struct TopLevelRay : public TravRay<4,true>
       {
         __forceinline explicit TopLevelRay (const Ray& ray)
@@ -102,7 +105,7 @@ namespace embree
         }
       };
 
-      /*! Inactive lanes contain numbers. The caller sets tnear and tfar. */
+      /*! As TopLevelRay, for packets. Inactive lanes contain finite rays. The caller must set tnear and tfar. */
       template<int K>
       struct TopLevelRays : public TravRayK<K,true>
       {

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* SIMD decoder of boxes of cVERT groups (cvert/format/block.h). */
+/* SIMD decoder of the boxes of a cVERT block's groups (cvert/format/block.h). Computes them from the corners of the
+ * groups and from margins, without the groups' vertices, which only rays that intersect a box need. */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -18,11 +19,11 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! vertSpacing with vector instructions. */
+      /*! vertSpacing with vector instructions. word: of the first cell. Requires 16 readable bytes at `corners`. */
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
-        // packing keeps signs: bits 15, then bits 14
+        // saturation keeps signs: bits 15 of the first eight coordinates are the exponent on y, bits 14 that on z
         const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1))));
         VertSpacing spacing;
         spacing.at[0] = floatOfBits((word >> 24) << 23);
@@ -31,7 +32,8 @@ namespace embree
         return spacing;
       }
 
-      /*! Without isSheared, the axes are the world's. */
+      /*! Sets axis and shear. form: VertHeader::boxForm. isSheared: false for raw blocks, whose boxes have the axes of
+       *  the world. */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
@@ -40,7 +42,7 @@ namespace embree
           for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
-      /*! The caller sets a raw block's extent from its planes. */
+      /*! Sets all members of `axes`. The extent of a raw block is set to 0; the caller must set it from the planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         const bool raw = isRaw(block->boxForm);
@@ -53,15 +55,17 @@ namespace embree
         }
       }
 
+      /*! Decodes the planes of all boxes: bounds of the four corners of each group, moved outward by margins. */
       class PlanesDecoder
       {
       public:
-        /*! form: shear and margin shifts, as in VertHeader::boxForm */
+        /*! form: shear and shifts of margins, as in VertHeader::boxForm. margins: for each axis one byte per group, in
+         *  rows of groupsX. */
         __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
                                      const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
-        /*! corners: of the groups, in coordinates */
+        /*! corners: vertices of the first cell, which are corners of the groups, in lattice coordinates. */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);
@@ -81,9 +85,10 @@ namespace embree
         }
 
       private:
+        /*! vertices: coordinates on axis k. from: world position of coordinate 0, or 0 for the sheared axis. */
         __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
         {
-          alignas(16) uint8_t expanded[24]; // loads have 8 bytes
+          alignas(16) uint8_t expanded[24]; // vectors of four load 8 bytes, the last from byte 12 on
           const uint8_t* axisMargins = expandRows(margins + k*groups.groups,expanded);
           const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
@@ -97,7 +102,8 @@ namespace embree
           }
         }
 
-        /*! One byte per group to one per lane. 16 bytes can be read from the result. */
+        /*! Moves bytes of groups to the lanes of the groups. Returns `rows` if they are there already, otherwise `out`,
+         *  which has room for 24 bytes. 16 bytes can be read from the result. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
           if (likely(groups.groupsX == 4)) return rows;

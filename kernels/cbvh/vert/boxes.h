@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Intersects rays with a cVERT block's bounds and boxes. Boxes only cull; rule.h defines by how much their exact planes
- * are widened. `Real` is float, or a vector for a packet's rays. */
+/* Rays along the axes of a cVERT block's boxes, and tests against the bounds of the entire block, which need its header
+ * only. Boxes only cull: they must not reject a ray that hits a triangle, so planes are moved outward by the rounding
+ * errors that cvert/rule/rule.h states. `Real` is float, or a vector with one ray of a packet per lane. */
 
 #include "box_decoder.h"
 #include "ray.h"
@@ -16,7 +17,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Relative to the block's origin. */
+      /*! A ray along the sheared axis, relative to the block's origin. error: outward offset of planes. */
       template<typename Real>
       struct ShearedRay
       {
@@ -35,7 +36,8 @@ namespace embree
         }
       };
 
-      /*! boxSlack and ShearedRay for all axes at once. Vectors of four ignore the float after an array of three. */
+      /*! boxSlack and ShearedRay of a single ray, for all axes at once. Loads of four floats from arrays of three also
+       *  read the member after the array; its lane is not used. */
       struct RayInBoxes
       {
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
@@ -61,12 +63,14 @@ namespace embree
         }
       };
 
+      /*! Bounds of a block relative to its origin, see BlockReach. */
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< largest error of each axis
+        float slack[3];             //!< further outward offset of planes per axis: rounding of interpolated bounds
       };
 
-      /*! False if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
+      /*! Returns false if a ray misses the bounds between tNear and tFar. Most rays that hit no group miss them, and
+       *  then need no decoded block. */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear,
         Real tFar)
@@ -88,7 +92,7 @@ namespace embree
         return interval.from <= interval.to;
       }
 
-      /*! For a block that is not raw. */
+      /*! As above, with the bounds in the header of a block that does not move. Requires !isRaw(block->boxForm). */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
@@ -106,14 +110,14 @@ namespace embree
         return intersectsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
-      /*! Bounds of a block in a segment, read from its steps. */
+      /*! Bounds of a moving block between two time steps. Reads only the headers of the steps; decodes nothing. */
       class SegmentReach
       {
         struct End
         {
           const float* origin;
           VertSpacing spacing;
-          uint32_t step, reach;
+          uint32_t step, reach; //!< bounds, and their unit (reachStep)
         };
         End ends[2];
         uint32_t form;
@@ -137,13 +141,13 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
-        /*! The larger one of both ends. Requires !raw. */
+        /*! Upper bound of the distance of vertices from the origin at all times. Requires !raw. */
         __forceinline float extent () const
         {
           return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
         }
 
-        /*! Sets the bounds at fraction f. Requires !raw. */
+        /*! Sets the bounds at fraction f of the segment, 0 to 1. Requires !raw. */
         __forceinline void set (float f, BlockBounds& out) const
         {
           setShear(form,true,out);

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Decoded cVERT blocks in the cache of a thread (thread_cache.h). */
+/* Decoded cVERT blocks in the cache of a thread (base/thread_cache.h). Blocks and groups have separate entries: each
+ * ray that reaches a block needs the boxes of its groups, but few rays need the vertices of a certain group. */
 
 #include "../base/thread_cache.h"
 #include "tables.h"
@@ -12,23 +13,25 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! By axis, one per lane. Lanes after the last vertex are undefined. */
+    /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Lanes after the last vertex
+     *  are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Coordinates of the block: x, y, z and 0 per lane. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. One lane more than vertices, because two are
+     *  stored at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
-    /*! Planes on one axis, in world space; on the sheared axis, relative to the block's origin. Group (x,y) is in lane
-     *  x + 4 y. Lanes without a group are undefined. */
+    /*! Planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on the sheared
+     *  axis. Group (x,y) is in lane x + 4 y. Lanes without a group are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
-    /*! world axes; one may be sheared */
+    /*! Axes of a block's boxes: the axes of the world, except for at most one that is sheared. */
     struct VertAxes
     {
-      int axis;        //!< 3 for none, as in raw blocks
+      int axis;        //!< the sheared axis; 3 for none, as in raw blocks
       float origin[3]; //!< origin of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
-      float shear[3];  //!< factors of world coordinates, relative to the origin, in the sheared coordinate
+      float shear[3];  //!< the sheared coordinate is the sum of shear[k]*(p[k]-origin[k])
     };
 
     struct GroupBoxes : public VertAxes
@@ -37,27 +40,28 @@ namespace embree
       GroupPlanes planes[3]; //!< by axis
     };
 
-    /*! For a raw block, only axes, lanes and planes are set. */
+    /*! Data of a block that its groups share. In a raw block, words, fields and corners are undefined. */
     struct VertBoxes : public GroupBoxes
     {
       uint32_t words[16];    //!< word of each group's cell
       uint16_t fields[16];   //!< offset in the block of each group's fields
       CellCoordinates corners; //!< corners of the groups
-      const void* block;     //!< block that the boxes belong to
+      const void* block;     //!< block that the boxes belong to, or null
     };
     static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
 
-    /*! Unique because blocks are aligned to 16 bytes. */
+    /*! Key of a group in the cache. Unique, because lane < 16 and blocks are aligned to 16 bytes. */
     __forceinline size_t keyOfGroup (const void* block, uint32_t lane) { return size_t(block) + lane; }
 
     class VertEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot and set it. */
+      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. 512: full blocks have more
+       *  bytes, so neighboring blocks have different slots. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
       /*! The first of 16 slots of a block's groups, one per lane. If a slot's key differs, the caller must fill the
-       *  slot and set it. */
+       *  slot and set its key. 32: one slot per 512/16 bytes of block. */
       static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
@@ -69,7 +73,7 @@ namespace embree
       }
 
     private:
-      static const size_t numGroups = 768;
+      static const size_t numGroups = 768; //!< as many as fit into a core's cache, see traversal/thread_cache.cpp
       typedef CacheEntries<CellVertices,numGroups,15> Groups;
 
       CacheEntries<VertBoxes,256> blocks;
@@ -79,7 +83,7 @@ namespace embree
 
     /* --- moving blocks --- */
 
-    /*! lane: 0 for blocks */
+    /*! Identifies a segment of a block, or of one of its groups. lane: lane of the group; 0 for the block. */
     struct SegmentKey
     {
       const void* block;
@@ -90,22 +94,23 @@ namespace embree
       }
     };
 
-    /*! Data of a step that groups share. */
+    /*! Data of a time step that groups share. */
     struct StepCells
     {
-      alignas(64) uint16_t fields[16]; //!< offset in the step of each group's fields
+      alignas(64) uint16_t fields[16]; //!< offset of each group's fields, in bytes from the start of the step
       uint32_t words[16];              //!< word of each group's cell
       CellCoordinates corners;         //!< corners of the groups
     };
 
-    /*! Data of a segment that groups share. Boxes are interpolated between its ends. */
+    /*! Data of a segment that groups share: boxes at both ends, between which callers interpolate. VertAxes::origin is
+     *  unused, because it moves. */
     struct SegmentBoxes : public VertAxes
     {
       uint32_t lanes;            //!< mask of lanes with a group
       SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< origins of the block, at both ends
+      float origins[2][3];       //!< of the block, at both ends
       GroupPlanes ends[2][3];    //!< at both ends, by axis
-      StepCells steps[2];        //!< at both ends; unused for a raw step
+      StepCells steps[2];        //!< at both ends; undefined for a raw step
     };
 
     /*! Vertices of a group in world space, at the ends of a segment. */
@@ -115,17 +120,18 @@ namespace embree
       CellVertices ends[2];
     };
 
-    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and of one of its groups, with a
-     *  SegmentKey. blockBytes, groupBytes: as for slotOfBlock. */
+    /*! Cache of moving blocks. Boxes, Group: types of entries, for a segment of a block and for a segment of a group,
+     *  with a SegmentKey `key`. blockBytes, groupBytes: bytes of memory per slot, see slotOfBlock. */
     template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
     class SegmentEntries
     {
     public:
-      /*! If the slot's key differs, the caller must fill the slot and set it. */
+      /*! If the slot's key differs, the caller must fill the slot and set its key. */
       __forceinline Boxes& slot (const void* block, uint32_t segment) {
         return blocks[blocks.slot(slotOfBlock(block,blockBytes) + segment)];
       }
       __forceinline Group& slot (const void* block, uint32_t segment, uint32_t lane) {
+        // 7: segments of a group have different slots
         return groups[groups.slot(slotOfBlock(block,groupBytes) + lane + 7*segment)];
       }
 
@@ -140,7 +146,7 @@ namespace embree
       CacheEntries<Group,numGroups> groups;
     };
 
-    /* An odd number of groups: blocks at equal distances, of a power of two, do not share a few entries. */
+    /* 323 is odd, so that blocks at distances of a power of two do not share a few entries. */
     typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Access to a decoded cVERT block. Decodes it into the thread's cache if necessary. References into the cache become
- * invalid once a hit is reported, because a filter function may trace rays. */
+ * invalid once a hit is reported, because a filter function may trace further rays. */
 
 #include "../base/mapped_blocks.h"
 #include "boxes.h"
@@ -19,30 +19,32 @@ namespace embree
       class CachedVertBlock
       {
       public:
+        /*! ray: a VertRay or VertRays after set(); provides the cache. */
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
           : cache(*ray.cache), block(block), slot(cache.slot(block)),
             groupSlots(VertCache::groupSlots(block)) {}
 
-        /*! Null if not decoded. */
+        /*! Returns the boxes of groups if they are in the cache, otherwise null. */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! False if a ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires isUsable(). */
+        /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
+         *  isUsable(). */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! False if the block is damaged. Then no byte of it may be read, not even its header. */
+        /*! Returns false if the block is damaged. Then no byte of it may be read, not even its header. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
-        /*! Requires isUsable(). */
+        /*! Returns the boxes of groups; decodes them if necessary. Requires isUsable(). */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! In world space. */
+        /*! Returns the vertices of a group in world space; decodes them if necessary. Requires isUsable(). */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           const size_t slot = groupSlots + lane;
@@ -53,7 +55,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          // covers most blocks; a group's fields are located too late to hide latency
+          // 12 cache lines cover most blocks. Offsets of groups are known too late to prefetch their fields alone.
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* CachedVertBlock for mesh blocks. Shared code accesses the block as a VertHeader: `surface` and `primID` have the same
- * offsets in a MeshHeader. */
+/* CachedVertBlock for mesh blocks, with the functions that let intersector1.h and hits1.h intersect them. Code shared
+ * with cVERT blocks accesses a mesh block as a VertHeader. It reads `surface` and `primID`, which have the same offsets
+ * in a MeshHeader, and `region` to order hits at the same distance, which is `bytes` in a MeshHeader. */
 
 #include "../base/mapped_blocks.h"
 #include "hits1.h"
@@ -20,8 +21,8 @@ namespace embree
                     && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
                     "surface and primID must have the same offsets in both headers");
 
-      /*! Returns the primitive of a triangle, and parameters of a point. form: of the block. number: of the triangle.
-       *  w1, w2: weights of its second and third corner. */
+      /*! Returns the primitive of a triangle, and (u,v) of a point in it. form: MeshHeader::form. number: of the
+       *  triangle, see meshHasQuads. w1, w2: barycentric weights of its second and third corner. */
       __forceinline SurfacePoint pointOfMesh (uint32_t form, uint32_t number, float w1, float w2)
       {
         const bool isSecond = isSecondOfQuad(form,number);
@@ -40,9 +41,10 @@ namespace embree
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
             halves(cache.halves(block)) {}
 
+        /*! Returns the boxes of groups if they are in the cache, otherwise null. */
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Always true: the block's bounds are its leaf's, which the ray hits. */
+        /*! Always true: a mesh block has no bounds besides those of its leaf, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
@@ -53,7 +55,8 @@ namespace embree
           return slot;
         }
 
-        /*! half: 0, or 1 if the group has a second half. */
+        /*! Returns triangles 16 half to 16 half + 15 of group g; decodes them if necessary. half: 0, or 1 if the group
+         *  has a second half (MeshTriangles::isFirstOfTwo). */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           MeshTriangles& at = halves[16*half+g];
@@ -61,6 +64,7 @@ namespace embree
           return at;
         }
 
+        /*! Returns the primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
           return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
@@ -86,24 +90,24 @@ namespace embree
         MeshTriangles* const halves;
       };
 
-      /*! Cached: has triangles(), as CachedMeshBlock. */
+      /*! Triangle h, 0 to 31, of group g. Cached: CachedMeshBlock or MovingMeshBlock. */
       template<typename Cached>
       __forceinline VertTriangle triangleOfMesh (const Cached& cached, uint32_t g, uint32_t h) {
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      /*! GroupTriangles of a mesh block: of both halves of a group. */
+      /*! GroupTriangles (triangles.h) of a mesh block: of both halves of a group. */
       class MeshGroupTriangles
       {
       public:
-        uint32_t mask; //!< bit h: triangle h
+        uint32_t mask; //!< bit h: the ray's line passes, or may pass, through triangle h
 
-        /*! cached: has triangles(), as CachedMeshBlock. */
+        /*! Cached: CachedMeshBlock or MovingMeshBlock. */
         template<typename Cached>
         __forceinline MeshGroupTriangles (const VertRay& ray, const Cached& cached, uint32_t g)
         {
           const MeshTriangles& first = cached.triangles(g,0);
-          const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may replace the first in its slot
+          const bool isFirstOfTwo = first.isFirstOfTwo; // copied, because the second half may overwrite `first`
           mask = trianglesHitByLine(ray,first,halves[0]);
           if (unlikely(isFirstOfTwo)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
         }

@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* SIMD extraction of the fields of a cVERT cell (cvert/format/cell.h). */
+/* SIMD extraction of the bit fields of a cVERT cell (cvert/format/cell.h). With AVX-512, two permutations select the
+ * words of each field. Otherwise a byte shuffle per row of vertices does (VertTables::Windows). A scalar loop replaces
+ * both where the instruction set or the number of bits has no faster way. */
 
 #include "tables.h"
 #include "../base/intrinsics.h"
@@ -19,21 +21,22 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Vectors for a cell's vertices, and for its fields. The last vertex has no field, and may have its own
-       *  vector. */
+      /*! Numbers of vectors: for all vertices of a cell, and for those in the lanes with fields. The last vertex, a
+       *  corner, has no field; vectors of 4 or 8 lanes would need one more vector for it. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
-      /*! One per lane, with undefined bits above it; 0 in lanes without a field. */
+      /*! Fields of a cell, one per lane. Bits above a field are undefined. Lanes without a field are 0. */
       struct CellFields
       {
         vintV lanes[fieldVectors];
 
-        /*! start: first bit. May read 8 bytes after the last field. */
+        /*! data: start of the cell's fields. bits: per field. start: bit at which the first field starts. May read 8
+         *  bytes after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
-          const int words = (start+cellFields*bits+31) >> 5; // at most 30
+          const int words = (start+cellFields*bits+31) >> 5; // at most 30, for 21 fields of 45 bits
           const __mmask16 low = words < 16 ? __mmask16((1u << words)-1) : __mmask16(0xFFFF);
           const __mmask16 high = words < 16 ? __mmask16(0) : __mmask16((1u << (words-16))-1);
           const __m512i a = _mm512_maskz_loadu_epi32(low,data), b = _mm512_maskz_loadu_epi32(high,data+64);
@@ -45,7 +48,7 @@ namespace embree
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
-            // a shift by 32 returns 0
+            // a field can extend into a second word; if it does not, the shift by 32 returns 0
             lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),
               _mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
@@ -79,19 +82,20 @@ namespace embree
 
       private:
 #if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
+        /*! Loads window i, and selects bytes from it. */
         static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i,
                                            const uint8_t (*control)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),
             _mm_load_si128((const __m128i*)control[i]));
         }
 
-        /*! First four columns of a row. */
+        /*! Fields of a row's first four columns, for fields of up to maxBitsOfFour bits. */
         static __forceinline vint4 ofRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
           return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
-        /*! Fifth column; its corners have no field. */
+        /*! Fields of the fifth column's first four vertices; the first one is a corner without a field. */
         static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {
@@ -108,15 +112,16 @@ namespace embree
         {
 #if defined(CBVH_LANE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
-          // a shift by 32 returns 0
+          // shifts by 32 return 0
           return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),
                               _mm_sllv_epi32(pick(data,windows,row,windows.fifth),
                                 _mm_sub_epi32(_mm_set1_epi32(32),shift)));
 #else
-          return ofRow(data,windows,row); // unreachable
+          return ofRow(data,windows,row); // unreachable: the constructor requires CBVH_LANE_SHIFTS for wide fields
 #endif
         }
 
+        /*! Lanes 4 i to 4 i + 3. wide: fields can extend over five bytes. */
         template<bool wide>
         static __forceinline vint4 ofFour (const uint8_t* data, const VertTables::Windows& windows, int i) {
           return i == VertTables::Windows::rows ? ofColumn(data,windows) : wide ? ofWideRow(data,windows,i)

@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* SIMD decoder of a cVERT block (cvert/format/block.h). */
+/* SIMD decoder of a cVERT block (cvert/format/block.h): first what the groups share, then the vertices of a group at a
+ * time. cached_block.h keeps the results. cvert/decoder/decoded_block.h is the scalar reference, whose vertices are the
+ * same floats. */
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
@@ -15,9 +17,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Decodes words of groups and offsets of their fields. low, high: halves of the words, by group; high may be
-       *  null. begin: offset of the first group's fields. words, fields: by lane. May read 16 bytes at `high`, which
-       *  every block has there. */
+      /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each group's word. high:
+       *  the next 8 bits, or null if all are 0. begin: offset of the first group's fields. words, fields: output by
+       *  lane. May read 16 bytes at `high`, which every block has there. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
                                            const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
       {
@@ -37,6 +39,7 @@ namespace embree
         }
         const __m128i upper = high ? _mm_loadu_si128((const __m128i*)high) : _mm_setzero_si128(),
           nibble = _mm_set1_epi16(15);
+        // offsets are prefix sums of cellBytes()
         __m128i before = _mm_set1_epi16(short(begin));
         for (int half=0; half<2; half++)
         {
@@ -65,7 +68,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
-        /*! Decodes what groups share, except for out.block. */
+        /*! Decodes the data that groups share. Does not set out.block. */
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -83,7 +86,7 @@ namespace embree
             out.words,out.fields);
         }
 
-        /*! Decodes the vertices of a group, in world space. boxes: of this block. */
+        /*! Decodes the vertices of the group in a lane, in world space. boxes: decode()'s output for this block. */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
@@ -99,7 +102,7 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
-        /*! Converts coordinates, which are integers of up to 16 bits, to the packed form of the cache. */
+        /*! Converts coordinates, which are integers of at most 16 bits, to the packed form of the cache. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)
@@ -121,6 +124,7 @@ namespace embree
 
         __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
 
+        /*! Copies the planes of a raw block on axis k, and sets the extent. */
         void copyPlanes (int k, VertBoxes& out) const
         {
           const float* planes = (const float*)bytes(layout.boxes);

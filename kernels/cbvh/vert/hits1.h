@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Finds and reports a ray's hits in triangles of a cVERT group that isInside accepted. */
+/* The last step of intersecting a ray with a group: exact tests of the triangles that isInside (rule.h) accepted, and
+ * reports of their hits, which apply masks and filter functions (base/epilogues.h). */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -15,6 +16,10 @@ namespace embree
   {
     namespace cbvh
     {
+      /* Access to a group of a cVERT block. cached_mesh.h and moving_mesh.h overload these functions for mesh blocks.
+       * Cached: as in VertIntersector1. g: lane of the group. h: triangle in the group, see VertTables::triangles. */
+
+      /*! Primitive and (u,v) of a hit. */
       template<typename Cached>
       __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t h,
                                              const VertTriangle::Sides& sides) {
@@ -32,22 +37,31 @@ namespace embree
         return GroupTriangles(ray,cached.vertices(g));
       }
 
-      /*! GroupTriangles without sides: of one ray of GroupTrianglesK. */
+      /*! GroupTriangles of one ray of a packet, for which GroupTrianglesK stores no sides. */
       struct TriangleMask { uint32_t mask; };
 
-      /*! Sides of triangle h: those that the group's test stored. */
+      /*! Sides of triangle h, as the group's test stored them. */
       template<typename Triangles>
       __forceinline VertTriangle::Sides sidesOf (const Triangles& triangles, const VertTriangle&, const VertRay&,
                                                  uint32_t h) {
         return triangles.sides(h);
       }
+      /*! As above, computed again. */
       __forceinline VertTriangle::Sides sidesOf (const TriangleMask&, const VertTriangle& triangle, const VertRay& ray,
                                                  uint32_t) {
         return triangle.sides(ray);
       }
 
-      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), true if the hit is accepted;
-       *  needsHitData(block), see epilogues.h; ids(), the scene's surface IDs. Cached: as in intersector1.h. */
+      /*! Tests and reports hits of a ray in a block. Cached: as in VertIntersector1. Target: the ray, with
+       *
+       *    float tnear (), tfar ()
+       *      Current range of distances; tfar() decreases with each accepted hit.
+       *    const SurfaceIDs& ids ()
+       *      Surface IDs of the scene.
+       *    bool needsHitData (block)
+       *      See epilogues.h.
+       *    bool report (block, primID, hit)
+       *      Reports a hit. Returns true if it is accepted. */
       template<typename Target, typename Cached>
       class VertHits
       {
@@ -56,8 +70,8 @@ namespace embree
                                 const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits, nearest first, until one is accepted, and returns true then. triangles: from
-         *  groupTrianglesHitByLine. */
+        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. g: lane of the group.
+         *  triangles: result of groupTrianglesHitByLine for it, with a mask that is not 0. */
         template<typename Triangles>
         __forceinline bool report (uint32_t g, const Triangles& triangles)
         {
@@ -77,7 +91,8 @@ namespace embree
         }
 
       private:
-        /*! In any order, without data. Computes no distance if the whole triangle is between tnear and tfar. */
+        /*! Reports hits in any order, without distance, normal and (u,v). Computes no distance if the whole triangle is
+         *  between tnear and tfar. */
         template<typename Triangles>
         __forceinline bool reportAny (uint32_t g, const Triangles& triangles)
         {
@@ -96,6 +111,7 @@ namespace embree
           return false;
         }
 
+        /*! report() for several triangles. A rejected hit requires the next one, so it computes all distances first. */
         bool reportNearest (uint32_t g, uint32_t triangles)
         {
           float t[32];
@@ -120,7 +136,8 @@ namespace embree
           return false;
         }
 
-        /*! True if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit. Sets t. */
+        /*! True if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit. exact:
+         *  distance. number: of the triangle, see VertNearest. Sets t to the rounded distance. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* hits1.h for packets. Rays inside exactly one triangle, as most are, are processed together. Other rays, and rays with
- * uncertain hits, are processed one by one. */
+/* hits1.h for packets of K rays. Rays that are inside exactly one triangle, as most rays are, are processed together.
+ * Other rays, and rays with uncertain hits, are processed one by one. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/double4.h"
@@ -18,6 +18,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! Ray k of a packet as the Target of VertHits. */
       template<int K, typename Rays>
       struct VertTargetK
       {
@@ -44,11 +45,13 @@ namespace embree
                                  const CachedVertBlock& cached)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
-        /*! Returns the rays that accepted a hit. triangles: per ray, see GroupTrianglesK. kz: of all rays in `mask`. */
+        /*! Returns the rays that accepted a hit in group g. mask: rays with triangles. triangles:
+         *  GroupTrianglesK::mask. kz: axis along which all rays of the mask have their largest direction. */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
           const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
+          // (u,v) at edges of a lower rate are computed per ray
           if (popcnt(one) > 1 && (likely(!hasEdges(block->boxForm)) || !hasLowerEdge(block->patchQuads,edgesOf(block))))
             mask &= ~reportTogether(one,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
@@ -58,6 +61,7 @@ namespace embree
           return accepted;
         }
 
+        /*! Returns true if ray k accepted a hit in group g. triangles: as in VertHits::report. */
         template<typename Triangles>
         __noinline bool report (size_t k, uint32_t g, const Triangles& triangles)
         {
@@ -67,14 +71,15 @@ namespace embree
         }
 
       private:
-        /*! One triangle per ray, intersected with its plane. */
+        /*! One triangle per ray, and the intersection of its plane with the ray, in double precision. Rays that are not
+         *  in the mask have triangles of zeros. */
         struct Triangles
         {
-          alignas(64) float vertices[3][3][K];
+          alignas(64) float vertices[3][3][K]; //!< [axis][vertex][ray]
           alignas(64) float x[K], y[K];  //!< position of the quad in the patch
-          alignas(64) float normal[3][K], t[K];
+          alignas(64) float normal[3][K], t[K]; //!< set by intersectPlanes, as the following members
           uint32_t isHit;   //!< mask of rays with an intersection not before tnear
-          uint32_t inPlane; //!< mask of rays that lie in their triangle's plane
+          uint32_t inPlane; //!< mask of rays for which the plane does not determine the distance, see isPlaneDecisive
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -110,7 +115,7 @@ namespace embree
             }
           }
 
-          /*! Rays whose whole triangle is between tnear and tfar. */
+          /*! Mask of rays whose whole triangle is between tnear and tfar. */
           __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
                                           const vfloat<K>& tfar) const
           {
@@ -130,6 +135,7 @@ namespace embree
             return Float4::load((const float*)&x + j);
           }
 
+          /*! Rays j to j+3, in double precision. */
           struct Four
           {
             WideTriangle<Double4> triangle;
@@ -150,8 +156,9 @@ namespace embree
           };
         };
 
-        /*! Processes rays together and returns the complete ones. The others must be processed one by one: they may be
-         *  in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
+        /*! Processes rays with one triangle each together. Returns the mask of rays that are done, and adds those with
+         *  an accepted hit to `accepted`. The others must be processed one by one: they may be in the triangle only due
+         *  to rounding, lie in its plane, or have a hit at the same distance. */
         uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
           Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
@@ -162,7 +169,7 @@ namespace embree
           {
             const uint32_t clear = mask & uint32_t(movemask(areCertain(sides)))
               & batch.between(vertRays,kz,rays.tnear(),tfar);
-            const vfloat<K> unread(zero);
+            const vfloat<K> unread(zero); // no function reads the hit, see needsHitData
             const vbool<K> lanes = vbool<K>(int(clear));
             accepted |= uint32_t(movemask(lanes
               & cbvh::report(rays,lanes,context,block->surface,block->primID,
@@ -180,6 +187,7 @@ namespace embree
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine)))
             Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
+          // odd bits of the mask: second triangles of quads
           const QuadPosition<vfloat<K>> at =
             positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
           if (hasNumbers(block->boxForm)) {
@@ -202,7 +210,7 @@ namespace embree
           return done;
         }
 
-        /*! For hits in different primitives. Returns the rays that accept the hit. */
+        /*! Reports hits in a block whose quads have primitive numbers, one by one. Returns rays that accepted it. */
         uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
                             const vfloat<K>& t, const Vec3vf<K>& Ng)
         {
@@ -222,6 +230,7 @@ namespace embree
           return accepted;
         }
 
+        /*! The same floats as GroupTrianglesK computes. */
         __forceinline TriangleSides<vfloat<K>> sidesOf (const Triangles& of, size_t kz) const
         {
           const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Interpolation between the ends of a motion's segment. */
+/* Interpolation of vertices and planes between the ends of a segment, two consecutive time steps. */
 
 #include "../base/vectors.h"
 #include "tables.h"
@@ -14,15 +14,16 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! fraction: 0 at the beginning of the segment, 1 at its end. */
       struct Between
       {
         const vfloatV before, after;
         __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
 
-        /*! The floats of Embree's lerp, and therefore of its own kernels. */
+        /*! Rounds as Embree's lerp, so that vertices are the floats that Embree's own kernels compute. */
         __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
 
-        /*! `count` is rounded up to vectors. All arrays must be aligned to vectors. */
+        /*! Interpolates arrays. All arrays must be aligned to vectors, and padded to a multiple of vectors. */
         __forceinline void set (const float* a, const float* b, uint32_t count, float* out) const {
           for (uint32_t l=0; l<count; l+=vectorWidth)
             vfloatV::store(out+l,(*this)(vfloatV::load(a+l),vfloatV::load(b+l)));

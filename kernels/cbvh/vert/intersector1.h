@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Single-ray intersector of cVERT blocks: boxes of groups, then groups front to back, then triangles. */
+/* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups front to
+ * back, then triangles. traversal/kind_visitors1.h calls it for the leaves that a ray reaches. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -15,6 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A single ray as the Target of VertHits. */
       template<typename RayType>
       struct VertTarget1
       {
@@ -32,7 +34,8 @@ namespace embree
         }
       };
 
-      /*! Lanes of groups whose boxes the ray intersects. enter: receives entry distances. */
+      /*! Returns the mask of groups whose boxes the ray intersects between tnear and tfar. enter: receives the distance
+       *  at which the ray enters each group's box. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
                                                   const GroupBoxes& boxes, float enter[16])
       {
@@ -41,7 +44,7 @@ namespace embree
         vfloatV tNear[vectors], tFar[vectors];
 #pragma GCC unroll 4
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        // an index, because a branch would be mispredicted
+        // `descends` is an index of planes, because a branch would often be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
           uint32_t descends) {
           const float* near = planes.at[descends];
@@ -89,12 +92,14 @@ namespace embree
         return g;
       }
 
-      /*! Cached: CachedVertBlock, CachedMeshBlock or MovingVertBlock. */
+      /*! Cached: access to the decoded block, one of CachedVertBlock, MovingVertBlock, CachedMeshBlock and
+       *  MovingMeshBlock. */
       template<typename RayType, typename Cached>
       class VertIntersector1
       {
       public:
-        /*! True if a hit was accepted. Any-hit queries end with the first. */
+        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. at: the time, as the
+         *  constructors of moving blocks require it. */
         template<typename... At>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay,
                                              const VertHeader* block, const At&... at)
@@ -137,10 +142,11 @@ namespace embree
         const VertRay& vertRay;
         const VertHeader* block;
         const Cached cached;
-        alignas(64) float enter[16]; //!< of the box of the group in each lane
+        alignas(64) float enter[16]; //!< entry distance of each group's box
       };
 
-      /* Not inlined, so that traversal keeps its ray in registers. */
+      /* The following functions return true if a hit was accepted. They are not inlined, so that traversal keeps its
+       * ray in registers. */
 
       template<typename RayType>
       __noinline bool intersectVert (RayType& ray, IntersectContext* context, VertRay& vertRay,

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of cVERT blocks for packets. Bounds of all rays cull boxes of groups. Remaining boxes, and triangles, are
- * tested with one ray per lane. */
+/* Intersector of cVERT blocks for packets. Interval arithmetic over all rays culls boxes of groups. The remaining
+ * boxes, and triangles, are tested with one ray per lane. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -19,7 +19,7 @@ namespace embree
       class VertIntersectorK
       {
       public:
-        /*! Returns the rays that accepted a hit. Any-hit rays end with the first. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const VertHeader* block)
         {
@@ -28,7 +28,8 @@ namespace embree
         }
 
       private:
-        /*! Up to so many rays test the triangles of a group one after the other. */
+        /*! Largest number of rays that test a group's triangles one after the other, with quads in lanes. More rays
+         *  test them together, with rays in lanes. */
         static const size_t maxSeparateRays = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
@@ -58,7 +59,7 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of the boxes, with the same sign of the direction, and their bounds. */
+        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds of their values. */
         struct Axis
         {
           vfloat<K> org, rcp, slack;
@@ -78,8 +79,8 @@ namespace embree
           __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
           __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
 
-          /*! Lower bound of all entry distances, and upper bound of all exit distances. Conservative: rounding is
-           *  monotonic, so no ray enters earlier or leaves later. */
+          /*! Lower bound of all rays' entry distances, one box per lane; leave() returns the upper bound of their exit
+           *  distances. Conservative: rounding is monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
             const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
@@ -100,8 +101,8 @@ namespace embree
           }
         };
 
-        /*! Intersects the block with the rays of a mask, which have the same form. form: see VertRays; bit 5: sign of
-         *  the direction along the sheared axis. */
+        /*! Intersects the block with the rays of a mask, which have the same form. form: see VertRays; bit 5 is set if
+         *  the direction along the sheared axis is negative. */
         void intersectTogether (uint32_t mask, uint32_t form)
         {
           vbool<K> lanes = vbool<K>(int(mask));
@@ -126,7 +127,7 @@ namespace embree
           }
         }
 
-        /*! Lanes of groups whose boxes a ray may intersect. Sets `enter`. */
+        /*! Returns the mask of groups whose boxes some ray may intersect. Sets `enter`. */
         __forceinline uint32_t intersectBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
@@ -144,6 +145,7 @@ namespace embree
           return open & boxes.lanes;
         }
 
+        /*! Returns the rays that intersect the box of group g. */
         __forceinline vbool<K> intersectBox (const VertBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
@@ -155,6 +157,7 @@ namespace embree
           return tNear <= tFar;
         }
 
+        /*! Returns the rays of the mask that accepted a hit in group g. */
         __forceinline uint32_t intersectGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);

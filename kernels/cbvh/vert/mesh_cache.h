@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Decoded mesh blocks in a thread's cache (thread_cache.h). */
+/* Decoded mesh blocks (cvert/format/mesh_block.h) in the cache of a thread (base/thread_cache.h), in two parts as in
+ * cache.h: the boxes of a block's groups, and the triangles of half a group. */
 
 #include "../base/codec.h"
 #include "../../cvert/format/mesh_block.h"
@@ -13,53 +14,57 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Group g is in lane g. */
+    /*! Data of a block that its groups share: boxes, and the bits at which the groups' data begin. Group g is in lane
+     *  g. */
     struct MeshBoxes : public GroupBoxes
     {
       const void* block;             //!< block that the boxes belong to, or null
-      uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits in the block
-      /* first bits in the sections, by group */
+      uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections
+      /* first bits of each group's data, from the start of the section */
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
-      alignas(16) uint16_t firstVertex[16]; //!< by group; 0x7FFF in lanes without a group
+      alignas(16) uint16_t firstVertex[16]; //!< of each group; 0x7FFF in lanes without a group
       alignas(32) uint16_t fieldsOfZero[16]; //!< see fieldsOfVertex
-      alignas(16) uint8_t fieldBits[4][16]; //!< bits per vertex of the group: on x, y and z, and in total
-      alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
+      alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of each group: on x, y and z, and in total
+      alignas(64) uint32_t lower[3][16];    //!< [axis][group]: coordinates to which vertex fields are relative
 
-      /*! First bit of vertex v of the block, which belongs to group g. */
+      /*! First bit, in the block, of vertex v, which belongs to group g. fieldsOfZero: where vertex 0 would be if it
+       *  belonged to the group, modulo 2^16. */
       __forceinline uint32_t fieldsOfVertex (uint32_t v, uint32_t g) const {
         return verticesBegin + uint16_t(fieldsOfZero[g] + v*fieldBits[3][g]);
       }
     };
 
-    /*! By axis. Lanes after the last vertex are undefined. */
+    /*! World positions of a group's vertices: [axis][vertex]. Lanes after the last vertex are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
-    /*! Up to 16 triangles of a group, one per lane, and the group's vertices. Half h contains triangles from 16 h
-     *  on. */
+    /*! Half a group: up to 16 triangles, one per lane, and all vertices of the group. Half h contains triangles 16 h to
+     *  16 h + 15. */
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
       bool isFirstOfTwo;                //!< the group has a second half
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
-      alignas(16) uint8_t corners[3][16]; //!< vertices by corner, in the application's order; below 32 in all lanes
+      alignas(16) uint8_t corners[3][16]; //!< [corner][lane]: vertex, below 32; in the application's order
       MeshVertices vertices;
 
       static const uint32_t width = 16;
     };
     static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
-    /*! half: number of the group, plus 16 for the second half. Unique because blocks have at least 32 bytes. */
+    /*! Key of a half in the cache. half: number of the group, plus 16 for the second half. Unique, because blocks have
+     *  at least 32 bytes. */
     __forceinline size_t keyOfHalf (const void* block, uint32_t half) { return size_t(block) + half; }
 
     class MeshEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot. */
+      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
       __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
 
-      /*! The 32 slots of a block's halves of groups; see keyOfHalf. If a key differs, the caller must fill the slot. */
+      /*! The 32 slots of a block's halves of groups, in the order of keyOfHalf. If a key differs, the caller must fill
+       *  the slot and set its key. */
       __forceinline MeshTriangles* halves (const void* block) { return &groups[groups.slot(slotOfBlock(block,64))]; }
 
       void clear ()
@@ -75,32 +80,33 @@ namespace embree
 
     /* --- moving blocks --- */
 
-    /*! Fields of groups in a step after the first. */
+    /*! Vertex fields of a block at a time step after the first: differences from predictions, see mesh_motion.h. */
     struct MeshStepFields
     {
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
       uint8_t bits[3][16];        //!< bits of a field, by axis and group
-      uint32_t base[3][16];       //!< bases of fields, by axis and group
+      uint32_t base[3][16];       //!< numbers to add to fields, by axis and group
     };
 
-    /*! Data of a segment that groups share. Boxes are interpolated between its ends. No axis is sheared. */
+    /*! Data of a segment that groups share: boxes at both ends, between which callers interpolate. No axis is
+     *  sheared. */
     struct SegmentMeshBoxes
     {
       SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< see VertAxes; at both ends and between them
-      float extent[3];           //!< of the block, at both ends
+      float origins[2][3];       //!< of the block, at both ends
+      float extent[3];           //!< at least the distance of vertices and planes from the origin, at all times
       GroupPlanes ends[2][3];    //!< at both ends, by axis
-      MeshStepFields steps[2];   //!< at both ends; unused for the first step
+      MeshStepFields steps[2];   //!< at both ends; undefined for the block's first step
       MeshBoxes first;           //!< positions of groups in the block, and boxes at the first step
     };
 
     /*! Half a group, at the ends of a segment. */
     struct SegmentTriangles
     {
-      SegmentKey key;            //!< key of the half; lane: as the half of keyOfHalf
-      MeshTriangles begin;
-      MeshVertices end;
+      SegmentKey key;            //!< key of the half; its lane is `half` of keyOfHalf
+      MeshTriangles begin;       //!< `key` is unused
+      MeshVertices end;          //!< the triangles are those of `begin`
     };
 
     typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries;

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Triangles of a group that a ray's line passes through. Vertices are sheared once, then permuted into corners, because
- * a cache of vertices holds more groups than a cache of corners. */
+/* Tests half a group of a mesh block: which triangles a ray's line passes through, with triangles in lanes. The cache
+ * contains vertices rather than corners of triangles, because it then holds more groups. Therefore each test shears the
+ * vertices and permutes them into corners. */
 
 #include "mesh_cache.h"
 #include "ray.h"
@@ -15,7 +16,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! capacity: at least the number of vertices. */
+      /*! Vertices of a group in the sheared space in which the ray is the z axis (rule.h). capacity: at least the
+       *  number of vertices. */
       template<int capacity>
       class ShearedMesh
       {
@@ -32,7 +34,7 @@ namespace embree
           }
         }
 
-        /*! Corner c of triangles n to n+vectorWidth-1. */
+        /*! Loads sheared x and y of corner c of triangles n to n+vectorWidth-1. */
         __forceinline void get (uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const
         {
           const uint8_t* const lanes = corners[c]+n;
@@ -42,6 +44,7 @@ namespace embree
           cornerY = vfloatV(_mm512_permutex2var_ps(y[0],vertex,y[vectors-1]));
 #elif defined(__AVX2__)
           const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)lanes));
+          // bits 0 to 2 of a vertex select a lane, bits 3 and 4 a vector; blendv reads the sign bit
           const __m256 bit3 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)),
             bit4 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,27));
           auto select = [&](const vfloatV* from) {
@@ -75,7 +78,7 @@ namespace embree
           y[j] = shearedY;
         }
 #else
-        alignas(64) float xy[capacity][2]; // pairs halve the number of loads
+        alignas(64) float xy[capacity][2]; //!< x and y together, which halves the number of loads
 
         __forceinline void put (int j, const vfloatV& shearedX, const vfloatV& shearedY)
         {
@@ -101,7 +104,7 @@ namespace embree
 #endif
       };
 
-      /*! capacity: at least the number of vertices */
+      /*! trianglesHitByLine for up to `capacity` vertices. */
       template<int capacity>
       __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles,
                                                        SidesInLanes& sides)
@@ -121,7 +124,8 @@ namespace embree
         return lanesOf(inside) & triangles.lanes;
       }
 
-      /*! Lanes of triangles that the ray's line passes through, or may pass through. Sets the sides of all lanes. */
+      /*! Returns the mask of triangles that the ray's line passes through, or may pass through. Sets the sides of all
+       *  lanes. */
       __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles,
                                                  SidesInLanes& sides)
       {

@@ -3,8 +3,12 @@
 
 #pragma once
 
-/* SIMD decoder of mesh blocks (cvert/format/mesh_block.h); cvert/decoder/decoded_mesh.h is the scalar reference. Reads
- * up to 8 bytes after the block. */
+/* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first what the groups share, then half a group at a time.
+ * cached_mesh.h keeps the results. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the
+ * block.
+ *
+ * docs/formats/mesh_block.md defines restarts, fans, turns, news and owns: bit masks that determine how a group's
+ * triangles form strips, which entries of the vertex stream are new, and which vertices belong to the group. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -25,7 +29,7 @@ namespace embree
       public:
         __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
 
-        /*! Sets all members but out.block. */
+        /*! Decodes the data that groups share. Does not set out.block. */
         __forceinline void decode (MeshBoxes& out) const
         {
           const uint32_t groups = meshGroups(block->counts);
@@ -35,7 +39,7 @@ namespace embree
           findGroups(groups,out);
         }
 
-        /*! Decodes half of a group, except for out.key. */
+        /*! Decodes half of group g. boxes: decode()'s output for this block. Does not set out.key. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
@@ -65,7 +69,7 @@ namespace embree
           followStrips(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
-        /*! See primitiveOfMesh. */
+        /*! Returns the number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
         __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -76,6 +80,7 @@ namespace embree
         }
 
       protected:
+        /*! Reader of a block's bits, from bit `bit` on. */
         struct Bits
         {
           const uint8_t* data;
@@ -83,7 +88,7 @@ namespace embree
 
           __forceinline Bits (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
 
-          /*! 57 bits, and up to 7 undefined bits above them */
+          /*! The next 57 bits. Bits above them are undefined. */
           __forceinline uint64_t wide () const
           {
             uint64_t word;
@@ -92,7 +97,8 @@ namespace embree
           }
           __forceinline uint32_t peek () const { return uint32_t(wide()); }
           __forceinline void skip (uint32_t count) { bit += count; }
-          __forceinline uint32_t take (uint32_t count) // 0 to 32
+          /*! Reads `count` bits, 0 to 32. */
+          __forceinline uint32_t take (uint32_t count)
           {
             const uint32_t value = uint32_t(wide() & ((uint64_t(1) << count)-1));
             bit += count;
@@ -100,12 +106,15 @@ namespace embree
           }
         };
 
-        /*! A strip's last triangle, as numbers of vertices in the group. */
+        /*! The last triangle of a strip, as numbers of vertices in the group. isFlipped: its orientation is the reverse
+         *  of (a,b,c). */
         struct Strip
         {
           uint32_t a = 0, b = 1, c = 2;
           bool isFlipped = false;
 
+          /*! Adds a triangle with the stream's next vertex and the last one. Its third vertex is the first one of the
+           *  triangle before if isFan, otherwise the second one. */
           void add (uint32_t vertex, bool isFan)
           {
             if (!isFan) a = b;
@@ -114,7 +123,7 @@ namespace embree
             isFlipped ^= !isFan;
           }
 
-          /*! In the application's order, 8 bits each. */
+          /*! Corners in the application's order, 8 bits each. turn: corner that comes first, 0 to 2. */
           uint32_t corners (uint32_t turn) const
           {
             const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
@@ -122,7 +131,8 @@ namespace embree
           }
         };
 
-        /*! Up to 16 triangles, one after the other. */
+        /*! Decodes triangles `first` to first+15 of a group, one after the other. count: triangles of the group. news:
+         *  of entries after the first three, which are always new. repeats: numbers of entries that are not new. */
         static void followStrips (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans, uint64_t turns,
                                   uint64_t news, Bits repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
@@ -145,7 +155,7 @@ namespace embree
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
             if (t < first || t-first >= 16) continue;
             const uint32_t v = strip.corners(uint32_t(turns) & 3);
-            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // below 32 in damaged blocks, too
+            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // also below 32 in damaged blocks
           }
         }
 
@@ -159,7 +169,7 @@ namespace embree
           return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
         }
 
-        /*! inclusive prefix sums of bytes */
+        /*! Inclusive prefix sums of bytes. */
         static __forceinline __m128i sumsOfBytes (__m128i x)
         {
           x = _mm_add_epi8(x,_mm_slli_si128(x,1));
@@ -168,7 +178,7 @@ namespace embree
           return _mm_add_epi8(x,_mm_slli_si128(x,8));
         }
 
-        /*! inclusive prefix maxima of bytes */
+        /*! Inclusive prefix maxima of bytes. */
         static __forceinline __m128i greatestOfBytes (__m128i x)
         {
           x = _mm_max_epu8(x,_mm_slli_si128(x,1));
@@ -177,15 +187,15 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! For up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new, by the rule "in parallel"
-         *  of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: of all entries. repeats: numbers of entries
-         *  that are not new. */
+        /*! followStrips for up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new. Decodes
+         *  all triangles at once, one byte lane per triangle. Bit 0 of `restarts` must be set. news: of all entries.
+         *  repeats: fields of repeatBits bits with the numbers of entries that are not new. */
         static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
                                                 uint64_t repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          // of entries that are not new, one byte each
+          // `old`: the fields of `repeats`, one byte each
           const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
           const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
           const __m256i first = _mm256_srlv_epi64(fields,shifts),
@@ -197,7 +207,7 @@ namespace embree
           const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           __m128i entries[2];
-          __m128i before = _mm_setzero_si128(); // number of new entries
+          __m128i before = _mm_setzero_si128(); // number of new entries in the first half
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
@@ -211,23 +221,25 @@ namespace embree
               _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
           };
 
+          /* A restart has three entries instead of one. `last` is the entry of a triangle's last vertex. `kept` is that
+           * of the vertex that precedes the last two: fans keep it from the triangle before. */
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
-          // triangles that neither continue a fan nor start a strip
+          // triangles with the reverse orientation of the one before: they neither continue a fan nor start a strip
           const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
           const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
           const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
 
-          // turns, two bits each
+          // two bits of `turns` per triangle
           const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
           const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),quarters);
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
           const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
             is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
-          auto turn = [&](__m128i x, __m128i y, __m128i z) { // below 32 in damaged blocks, too
+          auto turn = [&](__m128i x, __m128i y, __m128i z) { // also below 32 in damaged blocks
             return _mm_and_si128(_mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2),_mm_set1_epi8(31));
           };
           _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
@@ -236,15 +248,17 @@ namespace embree
         }
 #endif
 
-        /*! bitsForBelow */
+        /*! bitsForBelow() of the codec, without its loop. */
         static __forceinline uint32_t bitsFor (uint32_t count) {
           return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
         }
 
+        /*! True if one of the two slopes of the shear is not 0. */
         __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
 
-        /*! Sets the shear of boxes in world space: 1 on the sheared axis, slopes times the ratio of spacings on the
-         *  others. If floats cannot represent a ratio well, boxes are unbounded on the sheared axis. */
+        /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slopes times the ratio of
+         *  spacings on the others. If a ratio exceeds 2^maxRatio, boxes have no sheared axis and are unbounded
+         *  there. */
         __forceinline void setAxes (MeshBoxes& out) const
         {
           out.axis = 3;
@@ -260,15 +274,16 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< largest ratio of two spacings, as an exponent
+        static const int maxRatio = 30; //!< largest ratio of two spacings for a sheared axis, as an exponent
 
+        /*! Exponent of the ratio of the spacings on axis m and on the i-th axis after it. */
         __forceinline int exponentRatio (int m, int i) const
         {
           auto exponent = [&](int k) { return int((block->spacings >> (8*k)) & 255); };
           return exponent(m) - exponent(axisAfter(m,i));
         }
 
-        /*! Planes, and extents from the origin. */
+        /*! Sets planes, lower coordinates and extents. */
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
@@ -293,7 +308,7 @@ namespace embree
               vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
               vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
             }
-            reach[k] = float(256u << shift); // L + E + 1 is at most 256
+            reach[k] = float(256u << shift); // a plane's byte plus an extent's byte plus 1 is at most 256
             out.extent[k] = reach[k]*meshSpacing(block->spacings,uint32_t(k));
           }
           if (likely(!isSheared())) return;
@@ -305,6 +320,7 @@ namespace embree
             for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
         }
 
+        /*! decodeBoxes on an axis whose coordinates count floats (hasRanks). */
         void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBoxes& out) const
         {
           const uint32_t origin = rankOfFloat(block->origin[k]);
@@ -331,6 +347,7 @@ namespace embree
 #endif
         }
 
+        /*! Number of bits of each byte: 0 for 0, 8 for 128 to 255. */
         static __forceinline __m128i lengthsOf (__m128i bytes)
         {
 #if defined(__SSSE3__)
@@ -347,7 +364,7 @@ namespace embree
 #endif
         }
 
-        /*! Exclusive prefix sums. Returns the sum of all. */
+        /*! Stores exclusive prefix sums of 16 numbers. Returns the sum of all. */
         static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
         {
           uint32_t before = 0;
@@ -363,7 +380,8 @@ namespace embree
           return before;
         }
 
-        /*! As MeshView does. All sums have less than 16 bits. */
+        /*! Finds where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h) does. All sums have less
+         *  than 16 bits. */
         __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
@@ -382,7 +400,7 @@ namespace embree
 
           const uint8_t* const records = bytes + layout.records;
           const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
-            groups > 8 ? _mm_loadu_si128((const __m128i*)(records+16)) : none }; // a short block ends here
+            groups > 8 ? _mm_loadu_si128((const __m128i*)(records+16)) : none }; // a short block can end there
           const __m128i five = _mm_set1_epi16(31);
           __m128i locals[2], topology[2], vertices[2], numbers[2], own[2];
           for (int half=0; half<2; half++) locals[half] = _mm_and_si128(record[half],five);
@@ -400,6 +418,7 @@ namespace embree
               entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
+            // 31 means 32, see groupNumberBits
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
             // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
@@ -425,6 +444,7 @@ namespace embree
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
         }
 
+        /*! Group to which vertex v of the block belongs: the last one that does not begin after it. */
         static __forceinline uint32_t groupOfVertex (const MeshBoxes& boxes, uint32_t v)
         {
           const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)boxes.firstVertex;
@@ -433,7 +453,8 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
-        /*! Coordinates of a vertex of group g. bit: of its fields. */
+        /*! Reads the coordinates of a vertex that belongs to group g. bit: first bit of its fields. i: lane to store
+         *  to. */
         __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
                                        uint32_t i) const
         {
@@ -450,7 +471,8 @@ namespace embree
           }
         }
 
-        /*! owns: the group's own vertices. others: numbers of the other vertices. */
+        /*! Decodes the vertices of group g. locals: their number. owns: mask of those that belong to the group. others:
+         *  numbers, in the block, of those that belong to other groups. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                            Bits others, MeshVertices& out) const
         {
@@ -470,6 +492,7 @@ namespace embree
           }
         }
 
+        /*! Sets coordinates on the block's axes, before the shear is subtracted. Parameters: as above. */
         __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                             Bits others, uint32_t (*coordinates)[32]) const
         {
@@ -495,7 +518,7 @@ namespace embree
         }
 
 #if defined(__AVX2__)
-        /*! A value per group. */
+        /*! Table with a value per group. */
         struct PerGroup
         {
           const __m256i lower, upper;
@@ -503,7 +526,7 @@ namespace embree
           __forceinline explicit PerGroup (const uint32_t* values)
             : lower(_mm256_load_si256((const __m256i*)values)), upper(_mm256_load_si256((const __m256i*)values+1)) {}
 
-          /*! groups: 0 to 15. */
+          /*! Values of eight groups, 0 to 15. */
           __forceinline __m256i at (__m256i groups) const
           {
 #if defined(__AVX512VL__)
@@ -517,6 +540,8 @@ namespace embree
           }
         };
 
+        /*! 16-bit words from their lower and upper bytes. bytesOfWords returns the lower bytes again, if words <
+         *  256. */
         static __forceinline __m256i wordsOfBytes (__m128i lower, __m128i upper) {
           return _mm256_set_m128i(_mm_unpackhi_epi8(lower,upper),_mm_unpacklo_epi8(lower,upper));
         }
@@ -525,10 +550,11 @@ namespace embree
           return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
         }
 
-        /*! Reads numbers of other groups' vertices, fields of otherBits each. rank: field, per vertex. */
+        /*! Reads numbers of other groups' vertices: `count` fields of otherBits bits. Returns one number per byte of
+         *  `rank`, which is the index of the field to return. */
         static __forceinline __m256i othersAt (Bits others, uint32_t otherBits, uint32_t count, __m128i rank)
         {
-          // field k is word 4 (k mod 4) + k/4
+          // field k becomes 16-bit word 4 (k mod 4) + k/4; a byte of -2 or -1 in a shuffle returns 0
           const __m256i mask = _mm256_set1_epi64x((1 << otherBits)-1),
             shifts = _mm256_mul_epu32(_mm256_set1_epi64x(otherBits),_mm256_setr_epi64x(0,1,2,3));
           __m256i words = _mm256_setzero_si256();
@@ -544,8 +570,8 @@ namespace embree
             _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
         }
 
-        /*! Up to 16 vertices of a group, with fields of up to 57 bits. first: the first own vertex. owns: the group's
-         *  own vertices. others: numbers of the other vertices. Stores to lanes from n on. */
+        /*! readCoordinates for up to 16 vertices of a group, if no group has fields of more than 57 bits. first:
+         *  number, in the block, of the first own vertex. Stores to lanes from n on. */
         __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t locals, uint32_t owns,
                                         Bits others, uint32_t otherBits, uint32_t (*coordinates)[32], uint32_t n) const
         {
@@ -560,6 +586,7 @@ namespace embree
             _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
             _mm256_cvtepi8_epi16(isOwn)));
 
+          // the group of each vertex: subtracts one for each group that begins after it
           __m256i groups = _mm256_set1_epi16(15);
           for (int g=1; g<16; g++)
             groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(boxes.firstVertex[g])),vertex));
@@ -617,6 +644,7 @@ namespace embree
         }
 #endif
 
+        /*! Subtracts the shear (meshShear) from coordinates on the sheared axis. */
         __forceinline void unshear (uint32_t locals, uint32_t (*coordinates)[32]) const
         {
           const int m = int(meshShearedAxis(block->form));

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Single-ray intersectors of mesh blocks, at rest and moving: VertIntersector1 with access to their triangles. */
+
 
 #include "cached_mesh.h"
 #include "intersector1.h"
@@ -14,13 +16,14 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! True if a hit was accepted. Not inlined, so that traversal keeps its ray in registers. */
+      /*! Returns true if a hit was accepted. block: a MeshHeader. Not inlined, so that traversal keeps its ray in
+       *  registers. */
       template<typename RayType>
       __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
         return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
       }
 
-      /*! Intersects the block at the ray's time. */
+      /*! As above, for a moving block at the ray's time. */
       template<typename RayType>
       __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of mesh blocks for packets, ray by ray. */
+/* Intersector of mesh blocks for packets. Tests the rays one by one, each with triangles in lanes. */
 
 #include "hitsK.h"
 #include "mesh_intersector1.h"
@@ -18,7 +18,7 @@ namespace embree
       class MeshIntersectorK
       {
       public:
-        /*! Returns the rays that accepted a hit. Any-hit rays end with the first. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. block: a MeshHeader. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const void* block)
         {
@@ -38,6 +38,7 @@ namespace embree
                                                 VertRays<K>& vertRays, const VertHeader* block,
                                                 const CachedMeshBlock& cached)
         {
+          // at() leaves the members for box tests unset
           VertRay ray = vertRays.at(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largest = vertRays.largest[k];

@@ -4,7 +4,8 @@
 #pragma once
 
 /* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends: first the boxes of all
- * groups, then triangles of a group at a time. Boxes have no sheared axis, because steps have different spacings. */
+ * groups, then half a group at a time. moving_mesh.h keeps the results and interpolates. Boxes have no sheared axis,
+ * because steps have different spacings. cvert/decoder/mesh_step_view.h is the scalar reference. */
 
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
@@ -21,7 +22,7 @@ namespace embree
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
           : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
 
-        /*! Sets all members but out.key. */
+        /*! Decodes the data of a segment that groups share. Does not set out.key. */
         void decode (uint32_t segment, SegmentMeshBoxes& out) const
         {
           MeshDecoder::decode(out.first);
@@ -39,7 +40,8 @@ namespace embree
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
         }
 
-        /*! Half of a group at both ends, except for out.key. boxes: of the segment. */
+        /*! Decodes half of group g at both ends. boxes: decode()'s output for the segment, with `key` set. Does not set
+         *  out.key. */
         void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
           MeshDecoder::triangles(boxes.first,g,half,out.begin);
@@ -51,13 +53,14 @@ namespace embree
           move(*meshStepOf(block,segment+1),boxes.steps[1],first,places,out.end);
         }
 
+        /*! See MeshDecoder::number. */
         uint32_t number (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t t) const {
           return MeshDecoder::number(boxes.first,g,t);
         }
 
       private:
-        /*! Sets the planes on an axis at a step; null for the first one. extent: increased to the boxes' extent from
-         *  the origin. */
+        /*! Sets the planes on axis k at a step; null for the first step. extent: raised to the largest distance of a
+         *  plane from the origin. */
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
@@ -84,14 +87,16 @@ namespace embree
           }
         }
 
+        /*! True if coordinates at the first step are sheared on axis k. */
         bool isShearedAxis (uint32_t k) const {
           return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0 && k == meshShearedAxis(block->form);
         }
 
-        /*! Replaces bounds of a group's sheared coordinates by bounds of its coordinates on the sheared axis. */
+        /*! Replaces bounds of a group's sheared coordinates on axis m by bounds of its coordinates. values: lower
+         *  bound, and upper bound plus 1. */
         void unshear (uint32_t m, uint32_t g, int values[2]) const
         {
-          int least = 8, most = 8; // sums of the shear, in 1/16
+          int least = 8, most = 8; // sums of the shear, in 1/16; 8 rounds to nearest
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
@@ -104,7 +109,8 @@ namespace embree
           values[1] -= least >> 4;
         }
 
-        /*! A byte of the boxes. i: 0 to 2 for lower planes, 3 to 5 for extents. */
+        /*! Byte of group g in the boxes of a step; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for
+         *  extents. */
         uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
         {
           const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->form).boxes
@@ -112,6 +118,7 @@ namespace embree
           return boxes[i*groups+g];
         }
 
+        /*! Finds the fields and bases of all groups at a step after the first. */
         void findFields (const MeshStep& step, MeshStepFields& out) const
         {
           const MeshStepLayout layout = meshStepLayout(groups,step.form);
@@ -136,7 +143,7 @@ namespace embree
           }
         }
 
-        /*! For each vertex of a group, the group that owns it, and its index there. */
+        /*! For each vertex of a group, the group to which it belongs, and its index among that group's own vertices. */
         struct Places
         {
           uint32_t numVertices;
@@ -162,11 +169,12 @@ namespace embree
           }
         }
 
-        /*! Decodes a group's vertices at a later step, as MeshStepView does. first: at the first step. */
+        /*! Decodes a group's vertices at a step after the first, as MeshStepView does. first: vertices at the first
+         *  step, from which `step.map` predicts. */
         static void move (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
                           const Places& places, MeshVertices& out)
         {
-          alignas(64) uint32_t rest[3][32]; // coordinates minus predictions
+          alignas(64) uint32_t rest[3][32]; // coordinates minus predicted ones
           for (uint32_t i=0; i<places.numVertices; i++)
           {
             const uint32_t g = places.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Rounds, encodes and stores clusters of triangles as mesh blocks. */
+/* Writer of mesh blocks: rounds and encodes clusters of irregular triangles (surface/irregular_triangles.h), which
+ * cvert/encoder/mesh_clusters.h formed, and appends the blocks to a store. One writer per task. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -23,21 +24,22 @@ namespace embree
         cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
+      /*! Primitives of a full group. A primitive is a triangle or a quad. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
-      /*! Writes a cluster of MeshClusters. The caller must flush the store after a part's last cluster: the part's
-       *  blocks are one piece of memory. */
+      /*! Writes a cluster of MeshClusters. groups: consecutive primitives of the cluster. The caller must flush the
+       *  store after the last cluster of a part, whose blocks must be in one piece of memory. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
-        double moved = 0;
+        double moved = 0; // squared distance by which rounding moved a corner
         uint32_t n = 0;
         const cbvh::MeshGroups stored = storeGroups(groups,n,[&](uint32_t i) {
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[n];
             triangle.number = from.mesh.triangleOf(cluster[i].index,k);
-            if (from.mesh.areHalvesOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
+            if (from.mesh.areHalvesOfQuads() && from.isDegenerate(triangle.number)) continue; // a quad's empty half
             moved = max(moved,from.store(triangle.number,triangle.corners));
-            n += hasThreeCorners(triangle); // a grid's lattice can be too coarse for an adjacent triangle
+            n += hasThreeCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
           }
         });
         statistics.addDeviation(moved);
@@ -47,8 +49,8 @@ namespace embree
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
       }
 
-      /*! Calls storePrimitive(i) for each primitive of a cluster, which increases numTriangles by the triangles that it
-       *  stores. Returns the groups of stored triangles. */
+      /*! Calls storePrimitive(i) for each primitive i of a cluster. The function must increase numTriangles by the
+       *  number of triangles that it stores. Returns the groups of the stored triangles. */
       template<typename StorePrimitive>
       static cbvh::MeshGroups storeGroups (const cbvh::MeshGroups& groups, const uint32_t& numTriangles,
                                            const StorePrimitive& storePrimitive)
@@ -63,6 +65,7 @@ namespace embree
         return stored;
       }
 
+      /*! Adds a block to the statistics. bytes: size without padding. */
       static void addBlock (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
       {
         const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
@@ -82,6 +85,7 @@ namespace embree
         return !areEqual(c[0],c[1]) && !areEqual(c[1],c[2]) && !areEqual(c[2],c[0]);
       }
 
+      /*! Stores the encoded block. blockTriangles: its `count` triangles, with rounded corners. */
       void add (size_t bytes, const cbvh::MeshTriangle* blockTriangles, uint32_t count)
       {
         cbvh::WorldBounds bounds;
@@ -99,7 +103,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< the last entry is for rejected triangles
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more than stored, for a triangle that is rejected
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

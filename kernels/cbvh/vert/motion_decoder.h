@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends. */
+/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends: first what the groups share,
+ * then the vertices of a group at a time. moving_block.h keeps the results and interpolates. cvert/decoder/step_view.h
+ * is the scalar reference. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -16,14 +18,15 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Base of 0, to decode residuals alone. */
+      /*! Base of CellDecoder that is 0, to decode residuals alone. */
       struct NoBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
       };
 
-      /*! Adds the first step's residuals, transformed by a step's matrix, to a base. */
+      /*! Base of CellDecoder that adds the first step's residuals, multiplied by a later step's matrix, to a
+       *  CellBase. */
       class RotatedBase
       {
       public:
@@ -34,7 +37,7 @@ namespace embree
           for (uint32_t i=0; i<9; i++) matrix[i] = float(rotationEntry(step,i))*unit;
         }
 
-        /*! Exact, fused or not: numbers have at most 24 bits. */
+        /*! Exact, fused or not, because all numbers have at most 24 bits. */
         __forceinline vfloatV at (int axis, int vector) const
         {
           const int l = vectorWidth*vector;
@@ -60,7 +63,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes what groups share, except for out.key. */
+        /*! Decodes the data of a segment that groups share. The caller must have set out.key. */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -90,14 +93,16 @@ namespace embree
           else boxesOfVertices(out);
         }
 
+        /*! True if the block is raw at a time step. */
         bool isRaw (uint32_t step) const {
           return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
         }
 
-        /*! At both ends, in world space. */
+        /*! Decodes the vertices of the group in a lane at both ends, in world space. boxes: decode()'s output for the
+         *  segment, with `key` set. */
         void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
         {
-          CellVertices first; // residuals, if a group is transformed
+          CellVertices first; // residuals of the first step, for a step whose group is rotated
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
@@ -130,8 +135,10 @@ namespace embree
         static __forceinline const uint32_t* cornersOf (const StepView& step) {
           return (const uint32_t*)(step.data+step.corners);
         }
+        /*! Requires a step after the first. */
         static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
 
+        /*! Decodes the first cell of a step: the corners of the groups, in coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
@@ -145,6 +152,7 @@ namespace embree
           else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
         }
 
+        /*! Decodes a group's residuals at the first step. */
         void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           if (boxes.key.segment == 0) {
@@ -157,6 +165,7 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
+        /*! Moves sheared planes outward: they are relative to the origin, which is rounded between the ends. */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
@@ -171,7 +180,8 @@ namespace embree
             }
         }
 
-        /*! For a segment with a raw end. Requires the cells of both steps. */
+        /*! Sets boxes of a segment with a raw end, which stores no margins, from the vertices of each group. Requires
+         *  StepCells of both steps. */
         __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)
@@ -188,7 +198,7 @@ namespace embree
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // the group has no quad between the ends
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad is finite at both ends
               for (int k=0; k<3; k++) {
                 out.ends[end][k].at[0][l] = lower[k];
                 out.ends[end][k].at[1][l] = upper[k];

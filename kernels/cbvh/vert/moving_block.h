@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* CachedVertBlock at a time between two steps. Boxes and vertices are interpolated between a segment's ends, which are
- * decoded into the thread's cache if necessary.
+/* CachedVertBlock for moving blocks, at a time between two steps. Boxes and vertices are interpolated between the ends
+ * of a segment, which are decoded into the thread's cache if necessary.
  *
- * The same operations, which round monotonically, interpolate vertices and planes: what a plane bounds at both ends it
- * bounds in between. A shared vertex is the same floats at both ends, and therefore in between. */
+ * Vertices and planes are interpolated by the same operations, which round monotonically: a plane that bounds a vertex
+ * at both ends also bounds it in between. A shared vertex is the same floats at both ends, and therefore in between, so
+ * surfaces stay watertight. */
 
 #include "interpolation.h"
 #include "motion_decoder.h"
@@ -27,17 +28,17 @@ namespace embree
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
-        /*! Null if not decoded. */
+        /*! Returns the boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: loading a file checks its moving blocks. */
+        /*! Always true: moving blocks of a file are checked when the file is loaded. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! False if a ray misses the block's bounds between tNear and tFar. Decodes nothing. */
+        /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
           const SegmentReach reach(block,segment);
@@ -47,7 +48,7 @@ namespace embree
           return intersectsBounds<float>(ray,bounds,tNear,tFar);
         }
 
-        /*! Valid as long as this object. */
+        /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return now;
@@ -67,7 +68,8 @@ namespace embree
           return now;
         }
 
-        /*! Valid until another group is requested. */
+        /*! Returns the vertices of a group at the time, in world space. The reference is valid until another group is
+         *  requested. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
@@ -111,8 +113,8 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< lane of laneVertices
-        mutable bool isInterpolated = false;
+        mutable uint32_t lane;        //!< lane of laneVertices, or ~0
+        mutable bool isInterpolated = false; //!< `now` is set
         mutable GroupBoxes now;
         mutable CellVertices laneVertices;
       };

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* CachedMeshBlock at a time between two steps. Interpolates as moving_block.h does, with the same properties of bounds
- * and shared vertices. */
+/* CachedMeshBlock for moving blocks, at a time between two steps. Interpolates as moving_block.h does, so that planes
+ * bound vertices at all times and surfaces stay watertight. */
 
 #include "cached_mesh.h"
 #include "interpolation.h"
@@ -27,20 +27,20 @@ namespace embree
           atTime.key = ~size_t(0);
         }
 
-        /*! Null if not decoded. */
+        /*! Returns the boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: loading a file checks its moving blocks. */
+        /*! Always true: moving blocks of a file are checked when the file is loaded. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! Always true: the block's bounds are its leaf's, which the ray intersects. */
+        /*! Always true: a mesh block has no bounds besides those of its leaf, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
-        /*! Valid as long as this object. */
+        /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return now;
@@ -60,13 +60,15 @@ namespace embree
           return now;
         }
 
-        /*! half: as in CachedMeshBlock::triangles. Valid until another half is requested. */
+        /*! Returns half a group at the time, see CachedMeshBlock::triangles. The reference is valid until another half
+         *  is requested. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           if (atTime.key != 16*half+g) interpolate(g,half);
           return atTime;
         }
 
+        /*! See CachedMeshBlock::point. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
           return pointOfMesh(block->form,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
         }
@@ -115,7 +117,7 @@ namespace embree
         const float fraction;
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
-        mutable MeshTriangles atTime; //!< the key does not contain the block
+        mutable MeshTriangles atTime; //!< the key is 16 half + group, or ~0
       };
 
       __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t h) {

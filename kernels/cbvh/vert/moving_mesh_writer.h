@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Rounds the vertices of a cluster's triangles at all time steps, and encodes and stores them as moving mesh blocks. */
+/* mesh_writer.h for moving meshes: rounds the vertices of a cluster at all time steps, and stores moving mesh blocks
+ * (cvert/format/mesh_motion.h) and their boxes at each step. */
 
 #include "../../cvert/encoder/mesh_motion_encoder.h"
 #include "mesh_writer.h"
@@ -21,15 +22,15 @@ namespace embree
           boxes(plan.numTimeSteps,emptyBox()),
           words(cbvh::MeshMotionEncoder::maxBytes(plan.numTimeSteps)/sizeof(uint32_t)+1) {}
 
-      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
-        double moved = 0;
+        double moved = 0; // squared distance by which rounding moved a vertex
         uint32_t n = 0;
         const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,n,[&](uint32_t i) {
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
             const uint32_t number = from.mesh.triangleOf(cluster[i].index,k);
-            if (from.haveEqualCorners(number)) continue; // half of a quad
+            if (from.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
             triangles[n].number = number;
             from.identify(number,ids[n]);
             for (int c=0; c<3; c++) moved = max(moved,from.storeVertex(0,ids[n][c],triangles[n].corners[c]));
@@ -58,7 +59,8 @@ namespace embree
         for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
       }
 
-      /*! first, count: triangles of the encoded block. The boxes of later steps must contain its vertices. */
+      /*! Stores the encoded block. first, count: its triangles. Requires `boxes` of all steps but the first, which it
+       *  computes. */
       void add (size_t bytes, uint32_t first, uint32_t count)
       {
         for (uint32_t i=first; i<first+count; i++)
@@ -85,7 +87,7 @@ namespace embree
       cbvh::MeshMotionEncoder encoder;
       cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
       uint32_t ids[cbvh::maxMeshTriangles][3];
-      std::vector<cbvh::StepBox> boxes; //!< of the next block, by step
+      std::vector<cbvh::StepBox> boxes; //!< of the block that is being encoded, by step
       std::vector<uint32_t> words;      //!< the encoded block
     };
   }

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: vertices shifted by one lane, by four, or
- * by both. */
+/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads with one quad per lane. In the order of
+ * laneOfVertex, the lower left corners are the first 16 vertices; the other corners are vertices shifted by one column,
+ * by one row, or by both. */
 
 #include "cell_fields.h"
 #include "../base/intrinsics.h"
@@ -15,6 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A number per vertex of a cell. With AVX-512, all 25 vertices fit into two vectors. */
       struct CellVector
       {
         vfloatV at[fieldVectors];
@@ -30,6 +32,7 @@ namespace embree
         __forceinline explicit CellVector (const vfloatV& last) : last(last) {}
 #endif
 
+        /*! p: 25 numbers, padded and aligned for vector loads. */
         __forceinline explicit CellVector (const float* p)
         {
           for (int n=0; n<fieldVectors; n++) at[n] = vfloatV::load(p+vectorWidth*n);
@@ -65,7 +68,7 @@ namespace embree
         return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      /*! One coordinate of the corners of 4 x 4 quads. */
+      /*! One coordinate of the corners of 4 x 4 quads. Quad column + 4 row is in that lane of the vectors. */
       class QuadCornersV
       {
       public:
@@ -80,7 +83,7 @@ namespace embree
             v.at[1]);
         }
 
-        /*! Corner c (00, 10, 01, 11) of vector j. */
+        /*! Corner c (column + 2 row) of the quads in vector j. */
         __forceinline vfloatV at (int, int c) const {
           return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both
             : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Ray data for cVERT blocks: the shear that maps the ray to the z axis, for triangles; its reciprocal direction, for
- * boxes; its nearest hit, for ties (rule.h); the sides of a group's triangles, for hits. */
+/* Data that is computed once per ray for all cVERT and mesh blocks that it reaches: the shear that maps the ray to the
+ * z axis, for triangles; its reciprocal direction, for boxes; its nearest hit, for hits at the same distance. Traversal
+ * owns these objects; cvert/rule/rule.h defines their use. */
 
 #include "cache.h"
 #include "../base/surface_ids.h"
@@ -19,15 +20,17 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A ray, or rays in lanes, in world space. */
       template<typename Real>
       struct VertRayAxes
       {
-        /* A single ray's vectors have a fourth value without meaning, such that one store writes a vector and one load
-         * reads it. A load of data from several stores waits until these have finished. */
+        /* The arrays of a single ray have a fourth element without meaning, so that one vector store writes them and
+         * one vector load reads them. A load of data from several smaller stores would wait for these. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
-        alignas(16) Real org[stride], dir[stride], rcp[stride];
-        Real largest; //!< largest component of dir, absolute
+        alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
+        Real largest; //!< largest absolute component of dir
 
+        /*! Sets all members but rcp. */
         template<typename Vector>
         __forceinline void set (const Vector& o, const Vector& d)
         {
@@ -37,17 +40,18 @@ namespace embree
         }
       };
 
+      /*! The nearest hit of a ray in cVERT and mesh blocks. */
       struct VertNearest
       {
         const VertHeader* block; //!< null without a hit
-        uint32_t triangle;       //!< in the block
+        uint32_t triangle;       //!< in the block: 32 times the lane of the group, plus the triangle in the group
         float t;
 
         __forceinline VertNearest () : block(nullptr) {}
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
-        /*! True if the other triangle, hit at the same distance, takes precedence over this hit. */
+        /*! True if another triangle, hit at the same distance, takes precedence over this hit. Requires a hit. */
         __forceinline bool losesTieTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return hasPrecedence(keyOf(other,otherTriangle,ids),keyOf(block,triangle,ids));
         }
@@ -58,15 +62,16 @@ namespace embree
         }
       };
 
+      /*! A single ray. set() must be called before the first block; many rays reach none. */
       struct VertRay : public VertRayAxes<float>
       {
         bool isSet;
-        int kx, ky, kz;   //!< the direction is largest along kz
-        float sx, sy;
-        uint32_t descends; //!< axes with negative rcp; not set by VertRays::at
+        int kx, ky, kz;   //!< kz: axis of the largest component of dir, then the next axes kx and ky
+        float sx, sy;     //!< shear: dir[kx]/dir[kz] and dir[ky]/dir[kz]
+        uint32_t descends; //!< bit k: rcp[k] is negative
         VertCache* cache; //!< cache of the calling thread
 
-        mutable VertNearest nearest;
+        mutable VertNearest nearest; //!< updated by accepted hits
 
         __forceinline VertRay () : isSet(false) {}
 
@@ -89,6 +94,7 @@ namespace embree
           sy = dir[ky]*sz;
         }
 
+        /*! Sets kx and ky. Requires kz. */
         __forceinline void setAxes ()
         {
           kx = axisAfter(kz,1);
@@ -96,13 +102,14 @@ namespace embree
         }
       };
 
+      /*! Rays of a packet, one per lane. set() must be called before the first block. */
       template<int K>
       class VertRays : public VertRayAxes<vfloat<K>>
       {
       public:
         vfloat<K> sx, sy;
         VertCache* cache;    //!< cache of the calling thread
-        vint<K> form;        //!< bits 0..1: kz; from bit 2: signs of rcp. Rays of the same form are traced together.
+        vint<K> form;        //!< bits 0..1: kz; bits 2..4: signs of rcp. Rays of the same form are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
 
@@ -126,6 +133,7 @@ namespace embree
 
         __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
 
+        /*! Ray k for tests of triangles: rcp, largest, descends and cache are not set. */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];
@@ -141,7 +149,7 @@ namespace embree
 
       private:
         bool isSet;
-        uint32_t loaded;
+        uint32_t loaded; //!< mask of rays that at() has set
         VertRay rays[K];
       };
 

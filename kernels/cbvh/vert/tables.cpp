@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Compiled once, for the library's lowest instruction set, because it runs when the library is loaded. */
+
 #include "tables.h"
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -46,12 +48,13 @@ namespace embree
         int first = end;
         for (int l=4*row; l<4*row+4; l++)
           if (hasField[l]) first = std::min(first,field[l]*bits/8);
+        // the window must not extend more than readPast bytes past the last field
         const int offset = std::max(std::min(first,end+readPast-16),0);
         w.offset[row] = uint8_t(offset);
         for (int l=4*row; l<4*row+4; l++)
         {
           const int bit = field[l]*bits;
-          const int zero = 0x80; // the shuffle writes 0
+          const int zero = 0x80; // selects no byte: the shuffle writes 0
           for (int byte=0; byte<4; byte++) {
             w.control[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
             w.fifth[row][4*(l & 3)+byte] =

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Intersects the 32 triangles of a cVERT group by the sides of rule.h, with quads or rays in lanes. */
+/* Tests which triangles of a cVERT group a ray's line passes through, by the sides of cvert/rule/rule.h: with quads in
+ * lanes for a single ray, or with rays in lanes for a packet. hits1.h and hitsK.h process the triangles that pass. */
 
 #include "decoder.h"
 #include "mesh_corners.h"
@@ -15,11 +16,12 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! One triangle of a group, and the exact tests of rule.h for it. */
       struct VertTriangle
       {
         typedef TriangleSides<float> Sides;
 
-        /*! h: bit in GroupTriangles::mask */
+        /*! h: bit in GroupTriangles::mask. */
         __forceinline VertTriangle (const CellVertices& group, uint32_t h)
         {
           const uint8_t* const lanes = vertTables.triangles[h];
@@ -27,7 +29,7 @@ namespace embree
             for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
         }
 
-        /*! h: lane */
+        /*! h: lane of the triangle. */
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
@@ -40,7 +42,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! True if the ray's line passes through the triangle. */
+        /*! True if the ray's line passes through the triangle. sides: see sides(); isInside must be true for them. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(areCertain(sides)) || containsExactly(ray);
         }
@@ -61,21 +63,21 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Range of distances that a hit can have. */
+        /*! Range of distances that a hit can have: those of the triangle's vertices along the largest axis. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
           return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
         }
 
-        /*! Requires contains(). */
+        /*! Distance of the hit. Requires contains(). */
         __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
         {
           const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! Reversed direction of the ray if the triangle is a line. */
+        /*! Geometric normal of a hit, not normalized: the reversed direction of the ray if the triangle has no area. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
@@ -84,6 +86,7 @@ namespace embree
         }
 
       private:
+        /*! The vertices in the sheared space in which the ray is the z axis. The fourth lane is unused. */
         struct Sheared
         {
           alignas(16) float x[4], y[4];
@@ -99,16 +102,16 @@ namespace embree
           }
         };
 
-        float vertices[3][3]; //!< by axis
+        float vertices[3][3]; //!< [axis][vertex]
       };
 
-      /*! Triangles that a ray's line passes through, or may pass through. */
+      /*! Triangles of a group that a ray's line passes through, or may pass through. */
       class GroupTriangles
       {
       public:
         uint32_t mask; //!< bits 2q and 2q+1: triangles of quad q
 
-        /*! h: bit in mask */
+        /*! h: bit in mask. */
         __forceinline TriangleSides<float> sides (uint32_t h) const { return halves[h & 1u].at(h >> 1); }
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
@@ -136,6 +139,7 @@ namespace embree
           }
           const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), met = firsts | (seconds << 16);
           if (met == 0) return;
+          // in most cases there is one triangle
           const uint32_t one = uint32_t(bsf(met));
           const bool isOne = (met & (met-1)) == 0;
           mask = likely(isOne) ? 1u << (2*(one & 15u) + (one >> 4)) : spread(firsts) | (spread(seconds) << 1);
@@ -166,8 +170,8 @@ namespace embree
         }
       };
 
-      /*! GroupTriangles for rays with the same kz. Evaluates each vertex and each edge between quads once; from the
-       *  other side, an edge is the exact negative. */
+      /*! GroupTriangles for rays with the same kz, one per lane. Evaluates each vertex and each edge between quads
+       *  once: the side of an edge in the other direction is the exact negative. */
       template<int K>
       class GroupTrianglesK
       {

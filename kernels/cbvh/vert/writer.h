@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Writer of cVERT. Rounds the vertices of a patch to its lattice, and border vertices to shared lattices
- * (shared_border.h); blocks store the result without loss. Patches are written in strips of rows, so that several tasks
- * can write one, with no more memory than 256 x 256 quads need. The caller must flush the store after the last
- * patch. */
+/* Writer of cVERT: turns the patches of a source (surface/source.h) into blocks, which it appends to a store. Rounds
+ * the vertices of a patch to the patch's lattice, and border vertices to lattices that patches share (shared_border.h).
+ * Encoding is lossless after that. Several tasks can write strips of rows of one patch, each with its own writer and
+ * with no more memory than 256 x 256 quads need. The caller must flush the store after the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -28,12 +28,14 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
 
-      /*! A multiple of a block's rows. */
+      /*! Rows of quads in a strip, a multiple of the rows of a block. Limits the vertices of all time steps to about
+       *  the memory of 256 x 256 quads. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes a patch of one strip. evaluated(step): the face's evaluated vertices, or null. */
+      /*! Writes a patch that is a single strip. evaluated(step) returns the patch's vertices at a time step if the
+       *  caller has already evaluated them, otherwise null. */
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
@@ -46,8 +48,9 @@ namespace embree
           });
       }
 
-      /*! Writes a strip. begin, end: its first and last row at all time steps, or null at the patch's border. Both
-       *  strips at a row receive the same values, although displacement functions may return different ones. */
+      /*! Writes a strip. begin, end: vertices of its first and last row, one time step after the other, or null at the
+       *  patch's border. Both strips at a row must receive the same vertices: evaluating them twice is not enough,
+       *  because displacement functions may return different values. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
@@ -61,7 +64,7 @@ namespace embree
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows, for as many columns
+      static const unsigned fullStrip = 256; //!< rows of quads in a strip of as many columns
 
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
@@ -84,7 +87,7 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        moved.reserve(3*count*plan.numTimeSteps); // vectors would grow to a power of two
+        moved.reserve(3*count*plan.numTimeSteps); // otherwise the capacity would grow to a power of two
         moved.resize(3*count*plan.numTimeSteps);
         auto verticesOfStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
         size_t flipped = 0;
@@ -110,7 +113,7 @@ namespace embree
             closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
       }
 
-      /*! y: row in `vertices` */
+      /*! Copies the vertices of a block of w x h quads. x, y: column and row in `vertices` of the block's first one. */
       static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h,
                              float (*out)[3])
       {
@@ -132,7 +135,7 @@ namespace embree
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): stores the block's vertices */
+      /*! copy(step,vertices): must store the block's vertices at a time step. */
       template<typename Copy>
       void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h,
                              const Copy& copy)
@@ -172,7 +175,7 @@ namespace embree
         bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
       }
 
-      /*! Sets the numbers of quads. */
+      /*! Placement of a block in its patch. If the patch has a primitive number per quad, also sets `numbers`. */
       cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
@@ -180,6 +183,7 @@ namespace embree
         return cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 
+      /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */
       void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block,
                 const cbvh::WorldBounds& bounds, uint32_t type)
       {
@@ -193,7 +197,7 @@ namespace embree
         store.commit(size,toBBox(bounds),type,cbvh::readPastVert);
       }
 
-      /*! bytes: without padding */
+      /*! Adds a block to the statistics. bytes: size without padding. */
       void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
@@ -211,7 +215,7 @@ namespace embree
         if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
       }
 
-      /*! For vertices that the patch does not share. */
+      /*! Lattice of the vertices that the patch does not share. Updates the largest spacing in the statistics. */
       template<typename Patch>
       cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
       {
@@ -226,7 +230,8 @@ namespace embree
         if (min(patch.quads[0],patch.quads[1]) < minGridSide) statistics.sums.numIrregularQuads += quads;
       }
 
-      /*! For a block without numbers. */
+      /*! Placement of a block whose quads belong to one primitive. Stores the edges of the patch only if (u,v) do not
+       *  follow from the numbers of quads alone. */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
         const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
@@ -238,14 +243,17 @@ namespace embree
           cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
-      /*! Returns the number of flipped quads. */
+      /*! Rounds the vertices of a strip to their lattices, and adds the distances to the statistics. Returns the number
+       *  of quads with a triangle whose normal is reversed by rounding. */
       template<typename Patch>
       size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
                            PatchVertices& vertices)
       {
         float (*p)[3] = vertices.displaced();
+        // cVERT does not use undisplaced vertices: their memory keeps the vertices before rounding
         memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p));
         const float (*own)[3] = vertices.undisplaced();
+        // shareBorder rounds the vertices on the patch's border
         for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
         {
           size_t i = y*vertices.width + 1;
@@ -291,11 +299,11 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices given;             //!< vertices as the face evaluates them
-      mvector<float> moved;         //!< of a strip at all time steps, snapped
-      unsigned sideRates[4];        //!< rates of the sides, shared by faces
+      PatchVertices given;             //!< copy of the vertices that the caller evaluated
+      mvector<float> moved;         //!< vertices of a strip, rounded, one time step after the other
+      unsigned sideRates[4];        //!< edge rates of the patch's sides, the same in the faces that share them
       cbvh::VertEncoder encoder;
-      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until needed
+      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block
       cbvh::NumbersEncoder numbers;
     };
   }

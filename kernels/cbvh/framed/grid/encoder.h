@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Leaves of cGRID: the vertices in full precision, all x, all y, all z. */
+/* Encoder of leaves of cGRID (members: block_encoder.h): stores the block's vertices as floats, all x, all y, then all
+ * z. */
 
 #include "../leaf/leaf_thickness.h"
 
@@ -26,7 +27,7 @@ namespace embree
         const uint32_t count = geometry.width*geometry.width;
         for (int k=0; k<3; k++)
           for (uint32_t i=0; i<count; i++)
-            // rays never hit triangles with NaN, but could hit triangles with infinities
+            // NaN, because rays could hit triangles with infinities, but never hit triangles with NaN
             *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;
         for (uint32_t i=0; i<kindFormats[kindGrid].padding/sizeof(float); i++) *out++ = 0.0f;
       }

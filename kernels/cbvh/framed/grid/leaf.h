@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads of full-precision vertices, with the triangles of Embree's GRID. */
+/* Leaves of cGRID: 2 x 2 quads of full-precision vertices. Loads them as Embree's GRID does, so that the triangles and
+ * their tests are the same. visitor1.h and visitorK.h use it. */
 
 #include "../block.h"
 #include "../../embree/traversal.h"
@@ -16,14 +17,14 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Maps barycentric coordinates to face parameters, which GridSOA::MapUV loads instead. Lanes are in the order of
-       *  GridSOA's loaders. */
+      /*! Maps barycentric coordinates of a triangle to face parameters, as Embree's tests require it. GridSOA::MapUV
+       *  loads stored parameters instead. Lanes are in the order of GridSOA's loaders. */
       template<typename Loader>
       struct GridMapUV
       {
         typedef typename Loader::vfloat vfloat;
         const Block* block;
-        vfloat x0, y0, x1, y1, x2, y2; //!< positions in quads of the block
+        vfloat x0, y0, x1, y1, x2, y2; //!< positions of the triangles' vertices, in quads from the block's corner
 
         __forceinline GridMapUV (const Block* block, float x, float y) : block(block)
         {
@@ -43,7 +44,8 @@ namespace embree
         }
       };
 
-      /*! test.quads<M>(v0,v1,v2,mapUV) tests M triangles, and returns true if a hit was accepted. */
+      /*! A leaf of cGRID. test.quads<M>(v0,v1,v2,mapUV) must test M triangles, and return true if a hit was
+       *  accepted. */
       template<typename Test>
       class GridLeaf
       {
@@ -52,8 +54,10 @@ namespace embree
           : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)),
             y(2*mortonY(leaf)) {}
 
+        /*! Tests all triangles. Returns true if a hit was accepted. endsWithHit: may end at the first accepted hit. */
         __forceinline bool run (bool endsWithHit) const
         {
+          // rows of vertices: a block of one quad has only 2
           const size_t lines = min(width,size_t(3));
 #if defined(__AVX__)
           return quads<GridSOA::Gather3x3>(y,lines);

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Intersects leaves of cGRID with a single ray: a visitor of block_walk1.h, with the triangle test of Embree's GRID. */
+
 #include "../block_visitor1.h"
 #include "leaf.h"
 
@@ -12,6 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! Embree's epilogue for M triangles of a block, for closest hits or any hit. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
         return Intersect1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
@@ -35,7 +38,7 @@ namespace embree
           return IsAnyHit<RayType>::value;
         }
 
-        /*! For GridLeaf. */
+        /*! Tests M triangles, for GridLeaf. */
         template<int M, typename MapUV>
         __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                   const MapUV& mapUV) const {

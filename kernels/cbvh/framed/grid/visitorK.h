@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID for packets, one ray after the other. */
+/* Intersects leaves of cGRID with a packet, one ray after the other: a visitor of block_walkK.h. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -14,6 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! Embree's epilogue for M triangles and ray k of a packet, for closest hits or any hit. */
       template<int M, int K>
       __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context,
                                                               const Block* block) {

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a cLEAF leaf: input of hit_rule.h, and positions of hits. Over a bilinear patch, the ray's height
- * above the patch is a parabola in s. */
+/* How a ray crosses a leaf of cLEAF: input of hit_rule.h, and positions of hits. Over a bilinear patch, the ray's
+ * height above the patch is a parabola in s. This header compiles as C++ and GLSL; crossing1.h and visitorK.h are the
+ * versions of crossPatch() for single rays and packets on the CPU. */
 
 #ifndef CBVH_CROSSING_H
 #define CBVH_CROSSING_H
@@ -13,7 +14,8 @@
 
 CBVH_BEGIN
 
-/*! f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 at the entry and 1 at the exit. */
+/*! Height of the ray above the patch: f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 where the ray enters the
+ *  leaf's box and 1 where it leaves the box. */
 CVERT_REAL struct Parabola
 {
   Real f0, f1, saddle;
@@ -23,16 +25,16 @@ CVERT_REAL CBVH_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
-/*! Returns the k at which f changes sign, otherwise the end nearer to the patch. */
+/*! Returns the k at which f changes sign, or the end nearer to the patch if f has the same sign at both ends. */
 CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
-  /* Solves saddle k^2 - b k - f0 = 0. q does not cancel, and exactly one root is between 0 and 1. */
+  /* Solves saddle k^2 - b k - f0 = 0. The sum in q cannot cancel, and exactly one root is between 0 and 1. */
   Real b = f.f1-f.f0+f.saddle;
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   if (q == Real(0)) return Real(0); // b, d and f0 are 0
-  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // not NaN, even if k is
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
   if (k == kept || f.saddle == Real(0)) return kept;
   /* rounding can move either root out of [0,1] */
   Real other = q/f.saddle, otherKept = clampToUnit(other);
@@ -40,7 +42,7 @@ CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 }
 
 /*! The lip of a block's side, see hit_rule.h. It extends up to `reach` below the patch, within `width` of the side.
- *  epsilon: of z. */
+ *  width is a fraction of the leaf's box. epsilon: z component of the ray's epsilon, see local_ray.h. */
 CVERT_REAL struct Lip
 {
   Real width, reach, epsilon;
@@ -48,12 +50,12 @@ CVERT_REAL struct Lip
 
 CVERT_REAL struct LipIntersection
 {
-  bool met;
-  Real k;  //!< position in the lip; if !met, the first one near the side
+  bool met; //!< the ray intersects the lip
+  Real k;   //!< position in the lip; if !met, the first position near the side
 };
 
-/*! p0, p1: distance of the ray from the side at entry and exit; 1 is the opposite side. Near the side, f has its
- *  extremes at the ends of this part or at its vertex. */
+/*! Intersects a ray with a lip. p0, p1: distance of the ray from the side at entry and exit, in fractions of the box.
+ *  Within the lip's width, f has its extremes at the ends of this part or at the parabola's vertex. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
   CVERT_OF(Lip) lip)
 {
@@ -89,13 +91,14 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabo
 
 /* --- patches ------------------------------------------------------------------------- */
 
+/*! Height of a leaf's patch at (u,v) in its box. */
 CVERT_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
 {
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
 }
 
-/*! Slope along an axis, in frame units. across: v for axis 0, u for axis 1. Solid leaves are flat. */
+/*! Slope of a leaf's patch along an axis of the frame. across: v for axis 0, u for axis 1. Solid leaves are flat. */
 CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
@@ -103,19 +106,21 @@ CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! Position of s in a box, 0 to 1. */
+/*! Position of the ray at s in a box, clamped to 0 to 1. */
 CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
+/*! A ray's way through a leaf's box. */
 CVERT_REAL struct Crossing
 {
   Real s0, s1;                //!< s at entry and exit
-  Real u0, v0, u1, v1;        //!< in the box at entry and exit
+  Real u0, v0, u1, v1;        //!< position in the box at entry and exit, 0 to 1
   CVERT_OF(Parabola) f;
   LeafEvent event;
 };
 
+/*! Requires a segment that intersects the leaf's box. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
 {
   CVERT_OF(Crossing) x;
@@ -138,7 +143,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
   bool up = segment.P1[2] >= segment.P0[2];
   bool above0 = x.f.f0 >= Real(0), above1 = x.f.f1 >= Real(0);
   event.changes = above0 != above1;
-  /* the sides of the upper and lower face, if the ray passes through them */
+  /* a ray that enters or leaves through the upper (lower) face of the box is above (below) there */
   if (inBox.lower > inColumn.lower && !event.started) above0 = !up;
   if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
   event.enter = above0 ? sideAbove : sideBelow;
@@ -151,8 +156,8 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
   return x;
 }
 
-/*! Returns the first position in a lip of leaf (leafX,leafY). last: number of the last leaf along a side of the
- *  block. */
+/*! Intersects a ray with the lips of leaf (leafX,leafY), which it crosses. Returns the first intersected lip in the
+ *  order of sides. last: index of the last leaf along a side of the block. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
   uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)

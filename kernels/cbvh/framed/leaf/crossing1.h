@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* crossing.h for a single ray and a decoded leaf. Uses the results of the box test. */
+/* crossPatch() of crossing.h for a single ray and a leaf in the cache. Reuses the results of the box test. */
 
 #include "../block_visitor1.h"
 #include "crossing.h"
@@ -14,7 +14,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! (u,v) of two s, in a leaf's box. */
+      /*! Positions in a leaf's box, clamped to 0 to 1, at two values of s. s: lanes 0 and 1 have the first value, lanes
+       *  2 and 3 the second. Returns u and v for each. */
       __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {
@@ -25,7 +26,7 @@ namespace embree
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
-      /*! started, ended: see LeafEvent. */
+      /*! ranges: results of the box test. started, ended: see LeafEvent. */
       __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
                                                       uint32_t leaf, const BoxRanges<16>& ranges, bool started,
                                                       bool ended)

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Encodes leaves of cLEAF: groups of 2 x 2 cells. */
+/* Encoder of leaves of cLEAF (members: block_encoder.h): groups of 2 x 2 cells, in the format of format.h. Encodes four
+ * groups at a time (lattice_lanes.h) where it can, otherwise one by one (group_encoder.h), and measures the leaves. */
 
 #include "../block_geometry.h"
 #include "group_encoder.h"
@@ -16,7 +17,7 @@ namespace embree
     class LeafEncoder
     {
     public:
-      /*! sharpSides: see sharpSidesOf(). */
+      /*! sharpSides: see BlockEncoder::encode(). The other arguments must outlive the object. */
       LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
         : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
           statistics(statistics) {}
@@ -28,7 +29,7 @@ namespace embree
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! For the children of a node, groups m to m+3. */
+      /*! As above, for the children of a node, groups m to m+3. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.isWhole()) {
@@ -72,7 +73,8 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! Smallest code that is not less, or the entire box. */
+      /*! Returns bits of BlockHeader::info: the code of the smallest width that is not less than `width`, or 15 for the
+       *  entire box. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -81,7 +83,7 @@ namespace embree
       }
 
     private:
-      /*! Stores a group and measures its leaves. Returns its word. */
+      /*! Stores an encoded group and measures its leaves. Returns its word. */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;
@@ -95,6 +97,7 @@ namespace embree
         return encoded.word;
       }
 
+      /*! Measures the edges of all leaves of group m on sharp sides. */
       void addSharpEdges(uint32_t m, uint32_t word, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
@@ -116,6 +119,7 @@ namespace embree
         return group;
       }
 
+      /*! Measures a leaf. cell: its index in Morton order. loose: its group is loose. */
       void addLeaf(const LeafPatch& leaf, uint32_t cell, bool loose)
       {
         double slope[2] = { 0,0 };
@@ -132,7 +136,8 @@ namespace embree
           statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
       }
 
-      /*! Measures how far a leaf extends past its quad's edges on sharp sides. */
+      /*! Measures how far a leaf extends past its quad's edges on sharp sides. quad: index in the group. box: of the
+       *  leaf. */
       void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]

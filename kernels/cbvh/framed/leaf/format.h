@@ -1,7 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cLEAF stores groups of 2 x 2 leaves: a word, in place of a node of the last level, and 64 bits of heights.
+/* Format of the leaves of cLEAF. A group of 2 x 2 leaves has a word, in place of a node of the last level, and 64 bits
+ * of heights. lattice_encoder.h and loose_encoder.h encode groups; ../node_decoder4.h is the SIMD decoder. This header
+ * compiles as C++ and GLSL.
  *
  * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch, which shares edges with
  * adjacent patches.
@@ -13,8 +15,8 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Loose: for quads that fold over each other or have holes. The word is a node's. Each child's box contains its own
- * plane, is solid, or is empty.
+ * Loose: for quads that fold over each other or have holes. The word is that of an inner node. Each child's box
+ * contains a plane of its own, is solid (the box is the surface), or is empty.
  *
  * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
  *
@@ -28,8 +30,9 @@
 
 CBVH_BEGIN
 
-/*! Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the middle one. The upper bits of
- *  bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose groups. */
+/*! The 64 bits of a group. In a lattice, the lower 7 bits of byte i are the height of vertex i, row by row without the
+ *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
+ *  loose groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -40,12 +43,14 @@ CBVH_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u
 
 /* --- lattices ------------------------------------------------------------------------ */
 
-CVERT_CONSTANT int latticeBins = 128;
-/*! In heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
+CVERT_CONSTANT int latticeBins = 128; //!< possible heights, of 7 bits
+/*! Range of heights, in heights of the group's box. Exceeds 1, because patches are extrapolated to the corners. */
 CVERT_CONSTANT float latticeRange = 1.5f;
 
+/*! Byte of Heights with the height of a vertex, 0 to 8, except for the middle vertex 4. */
 CBVH_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
+/*! Height of a vertex, in bins. */
 CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
 {
   if (vertex != 4) {
@@ -63,18 +68,19 @@ CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! Distance of an outer plane from the parent's, in parent extents. Fine steps compensate for rounding of the parent.
- *  Codes extend to a third, for quads that do not fill their parent. */
+/*! Distance of an outer plane from the parent's, in parent extents. Steps grow with the code, from 1/256: small ones
+ *  compensate for rounding of the parent. The largest distance is a third, for quads that do not fill their parent. */
 CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
-/*! The middle plane bounds nothing, so it is rounded to nearest. */
+/*! Position of the middle plane, in parent extents: 33/128 to 95/128. It bounds nothing, so encoders round to
+ *  nearest. */
 CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! In bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight edges from the
- *  lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest covers the distance of straight
+ *  edges from the lattice. */
 CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
-/*! Plane 0, 1 or 2 along an axis. */
+/*! Plane 0 (lower), 1 (middle) or 2 (upper) on an axis of the frame. parent: box of the group. */
 CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
@@ -89,14 +95,15 @@ CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox pa
 /* Heights: per child 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit 60. */
 CVERT_CONSTANT int looseBits = 15;
 CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
-CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu;
+CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu; //!< instead of heights: see LeafPatch
 CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int looseBins = 32;
-CVERT_CONSTANT float looseRange = 2.0f; //!< in heights of the leaf's box
+CVERT_CONSTANT float looseRange = 2.0f; //!< range of heights, in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
-/*! In bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
+/*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
+/*! The 15 bits of a child: heights, solidLeaf or emptyLeaf. */
 CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
   int shift = looseBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
@@ -113,9 +120,10 @@ CBVH_FUNCTION float looseThicknessOf (Heights heights) {
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
-/*! Centered on the box. Height q is at lower + (q+1/2) size. */
+/*! Quantization of heights, with bins centered on a box. Height q is at z = lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
+/*! range: extent of all bins, in heights of the box. */
 CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 {
   HeightBins bins;
@@ -126,13 +134,14 @@ CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 
 CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
+/*! A decoded leaf: a bilinear patch over a box, from which the surface deviates by half the thickness at most. */
 struct LeafPatch
 {
   NodeBox box;
-  float z[4];       //!< at the box's corners: column + 2 row
-  float thickness;
+  float z[4];       //!< heights at the box's corners: column + 2 row
+  float thickness;  //!< in z
   bool solid;       //!< the box is the surface
-  bool empty;
+  bool empty;       //!< there is no surface
 };
 
 CBVH_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
@@ -176,6 +185,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
   return leaf;
 }
 
+/*! Decodes leaf `child` (column + 2 row) of a group. parent: decoded box of the group. */
 CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);

@@ -12,7 +12,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! How far border edges extend into their leaves' boxes, see borderWidthOf(). */
+    /*! Returns how far the quads' edges on the block's border are inside of their leaves' boxes, see
+     *  borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;
@@ -27,7 +28,7 @@ namespace embree
           for (int c=0; c<4; c++) {
             if (childColumn(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
-            // 1e-3: rounding of the ray's u
+            // 1e-3: margin for the rounding of a ray's u
             width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3);
           }
         }
@@ -35,6 +36,7 @@ namespace embree
       return width;
     }
 
+    /*! Encodes one group. parent: its decoded box. */
     inline EncodedGroup encodeGroup(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;

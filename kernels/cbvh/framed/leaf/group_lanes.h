@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four QuadGroups, the children of a node, one per lane. */
+/* Input of lattice_lanes.h: four QuadGroups, the children of a node, one per lane. */
 
 #include "../block_geometry.h"
 #include "quad_group.h"
@@ -15,9 +15,9 @@ namespace embree
     struct GroupLanes
     {
       Double4 vertices[9][3];
-      Double4 lower[2], upper[2]; //!< see QuadGroup::boxes
+      Double4 lower[2], upper[2]; //!< bounds of each group's quads in x and y, see QuadGroup::boxes
       double rounding[3];     //!< see QuadGroup
-      uint32_t border[2][2];  //!< [axis][upper]: mask of lanes
+      uint32_t border[2][2];  //!< [axis][upper]: mask of the lanes on the block's border
 
       GroupLanes() {}
 

@@ -4,9 +4,9 @@
 /* The rule that decides where a ray hits a cLEAF block. crossing.h and crossing1.h compute how the ray crosses a leaf.
  * docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
  *
- * Along a ray,
+ * Along a ray, the height above the patch,
  *
- *   f(s) = z of the ray - z of the leaf's patch
+ *   f(s) = z of the ray - z of the leaf's patch,
  *
  * is evaluated where the ray enters and leaves the leaf's box (the paper's line test, but with the root of the patch
  * instead of the line's). The ray is above where f >= 0. A box contains its quads entirely, so the ray is also above
@@ -57,10 +57,10 @@
 
 CBVH_BEGIN
 
-/* Sides of a leaf's surface, in the frame. */
+/* Sides of a leaf's surface, along the z axis of the frame. */
 CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
-/*! State of a ray in a block. */
+/*! State of a ray's walk through a block. */
 struct WalkState
 {
   uint32_t side;    //!< where it left the last leaf, or passed the last box
@@ -77,10 +77,11 @@ CBVH_FUNCTION WalkState startOfWalk ()
   return state;
 }
 
+/*! How a ray crosses a leaf. */
 struct LeafEvent
 {
-  uint32_t enter;
-  uint32_t leave;
+  uint32_t enter;   //!< side where it enters the box
+  uint32_t leave;   //!< side where it leaves the box
   bool changes;     //!< f has different signs at entry and exit
   bool nearEntry;   //!< within half a thickness of the patch at the entry
   bool near;        //!< possibly within half a thickness between entry and exit
@@ -98,11 +99,12 @@ CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign
 CVERT_CONSTANT uint32_t hitLip  = 4u; //!< if the ray intersects a lip
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
+/*! Result of the rule for a leaf or a passed box. */
 struct Verdict
 {
-  uint32_t hit;
+  uint32_t hit;     //!< hitNone, or where the ray hits
   uint32_t from;    //!< remembered side, if the hit follows from it, otherwise sideUnknown
-  WalkState next;   //!< for no hit, or one that is not accepted
+  WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 
 CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
@@ -114,7 +116,7 @@ CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
   return v;
 }
 
-/*! A nearer hit can follow. */
+/*! State after an accepted hit. The walk for the closest hit continues, because a nearer hit can follow. */
 CBVH_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
@@ -122,6 +124,7 @@ CBVH_FUNCTION WalkState afterHit (WalkState state)
   return state;
 }
 
+/*! The rule for a leaf whose box the ray crosses. */
 CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
@@ -155,7 +158,8 @@ CBVH_FUNCTION bool needsPassedBoxes (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! Requires needsPassedBoxes(). A ray passes over (under) a box that it overlaps in x and y, but misses. */
+/*! The rule for a box that the ray overlaps in x and y, but passes over (above is true) or under. Requires
+ *  needsPassedBoxes(). */
 CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;

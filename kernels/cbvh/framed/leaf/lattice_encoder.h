@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Encodes lattices (format.h): fits nine heights whose surface passes through the vertices, and bounds the distance of
- * the quads' edges from it. */
+/* Encodes lattices (format.h): fits nine heights whose surface passes through the vertices, raises them at the block's
+ * border, and bounds the distance of the quads' edges from the surface. lattice_lanes.h does the same for four groups
+ * at a time. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -14,20 +15,21 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Relative to the group. Patches of narrower cells would be extrapolated too far. */
+    /*! Smallest width of a cell relative to the group. Patches of narrower cells would be extrapolated too far. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! In bins, whose rounding moves the surface by up to half a bin. */
+    /*! Distance of the fitted surface from vertices at which the fit ends, in bins. Small against the half bin of
+     *  rounding. */
     static constexpr double fitTolerance = 0.0625;
-    static constexpr int maxFitTurns = 16;
+    static constexpr int maxFitTurns = 16; //!< largest number of iterations of the fit
 
-    /*! Piecewise bilinear over 3 x 3 heights. */
+    /*! A surface that is piecewise bilinear over 3 x 3 heights, not rounded. */
     struct Lattice
     {
-      double planes[2][3];
-      double z[9];
+      double planes[2][3]; //!< [axis]: lower, middle and upper plane
+      double z[9];         //!< heights where planes cross, row by row
 
-      struct Position { int corner; double u, v; }; //!< cell's lower vertex, and position in the cell
+      struct Position { int corner; double u, v; }; //!< the cell's lower vertex, and position in the cell, 0 to 1
 
       Position find(double x, double y) const {
         return in(x >= planes[0][1],y >= planes[1][1],x,y);
@@ -36,7 +38,7 @@ namespace embree
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
-      /*! A bilinear patch is steepest on its sides. */
+      /*! Largest absolute slope along an axis. A bilinear patch is steepest on its sides. */
       double steepest(int axis) const
       {
         double slope = 0;
@@ -87,7 +89,8 @@ namespace embree
       }
     };
 
-    /*! Two edges of a row or column: lines 0 and 2 are sides, 1 is the middle. */
+    /*! The two edges of quads along a column (axis 0) or row (axis 1) of vertices: lines 0 and 2 are sides, 1 is the
+     *  middle. */
     struct GroupLine
     {
       int vertex[3];
@@ -101,9 +104,10 @@ namespace embree
       }
     };
 
-    /*! Outer planes keep the slack to all vertices; middle planes are nearest to the mean of their vertices. Returns
-     *  false if a vertex on the block's border is not in the cells of that side, where the intersector searches for the
-     *  border. */
+    /*! Encodes the planes of an axis: adds their codes to `word`, and sets `planes` to the decoded ones. Outer planes
+     *  keep containmentSlack to all vertices; the middle plane is nearest to the mean of its vertices. Returns false if
+     *  a cell is too narrow, or if a vertex on the block's border is not in the cells of that side, where the
+     *  intersector searches for the border. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
       double planes[3])
     {
@@ -138,8 +142,9 @@ namespace embree
       return true;
     }
 
-    /*! In each turn, each vertex moves its own height by the distance of the surface from it. This converges if that
-     *  height has the largest weight at the vertex; otherwise the measured deviation is large. */
+    /*! Fits the heights so that the surface passes through the vertices. In each turn, each vertex moves its own height
+     *  by the distance of the surface from it. This converges if that height has the largest weight at the vertex;
+     *  otherwise the caller measures a large deviation, and rejects the lattice. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position at[9];
@@ -159,23 +164,26 @@ namespace embree
       }
     }
 
+    /*! A lattice with rounded heights. */
     struct CodedLattice
     {
       Lattice surface;
       HeightBins bins;
       int heights[9];
 
+      /*! Sets a height to q bins, rounded down and clamped. */
       void set(int v, double q) {
         heights[v] = !(q > 0) ? 0 : q < latticeBins-1 ? int(q) : latticeBins-1;
         surface.z[v] = heightInBins(bins,float(heights[v]));
       }
+      /*! Raises a height by at least `below`, in whole bins. */
       void raise(int v, double below) {
         if (below > 0) set(v,heights[v]+std::ceil(below/bins.size));
       }
     };
 
-    /*! Raises the heights of a side until the surface is above its edges by a slack, in two steps. First step: raises
-     *  each height at its vertex. */
+    /*! Raises the heights of a side until the surface is above its edges by `slack`, in two steps. First step: raises
+     *  each height until the surface is above its vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       for (int v : side.vertex) {
@@ -184,7 +192,7 @@ namespace embree
       }
     }
 
-    /*! Second step: raises all heights together. False if that is too far. */
+    /*! Second step: raises all heights of the side together. Returns false if that moves the surface too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
@@ -199,7 +207,8 @@ namespace embree
       }
     }
 
-    /*! Smallest code that bounds all edges, or 4 for none. */
+    /*! Returns the smallest code of a thickness that bounds the distances of all edges from the surface, or 4 if none
+     *  does. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };
@@ -212,6 +221,7 @@ namespace embree
       return code;
     }
 
+    /*! heights: 0 to 127, row by row. */
     inline Heights packLattice(const int heights[9])
     {
       uint64_t bits = 0;
@@ -223,7 +233,8 @@ namespace embree
       return { uint32_t(bits), uint32_t(bits >> 32) };
     }
 
-    /*! False if no lattice is close enough to the quads. */
+    /*! Encodes a group as a lattice. Returns false if no lattice is close enough to the quads. parent: decoded box of
+     *  the group. Does not set out.borderWidth. */
     inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, EncodedGroup& out)
     {
       for (const ExactBox& box : group.boxes)

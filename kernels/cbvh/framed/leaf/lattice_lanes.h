@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* lattice_encoder.h for four groups at a time, with the same operations in the same order, and therefore the same bits.
- * Supports regular groups: vertices outside of the middle column and row are on their own side of the middle planes.
+/* lattice_encoder.h for four groups at a time, one per lane, with the same operations in the same order, and therefore
+ * the same bits. It exists for speed only. Supports regular groups: vertices outside of the middle column and row are
+ * on their own side of the middle planes.
  *
  *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
  *      .       .        All positions in cells are then from 0 to 1.
@@ -12,8 +13,8 @@
  *      .       .
  *    0 .   1   . 2
  *
- * Distances of edges from the surface are computed as two bounds. lattice_encoder.h encodes groups for which these lead
- * to different results, and irregular groups. */
+ * Distances of edges from the surface are computed as two bounds. lattice_encoder.h encodes groups for which the bounds
+ * lead to different results, and irregular groups. */
 
 #include "group_lanes.h"
 #include "lattice_encoder.h"
@@ -25,9 +26,10 @@ namespace embree
     class LatticeLanes
     {
     public:
-      uint32_t encoded = 15;   //!< lanes with a lattice
-      uint32_t undecided = 0;  //!< lanes that lattice_encoder.h must encode
+      uint32_t encoded = 15;   //!< mask of lanes with a lattice
+      uint32_t undecided = 0;  //!< mask of lanes that lattice_encoder.h must encode
 
+      /*! parents: decoded boxes of the groups. Both arguments must outlive the object. */
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
           lower(Float4::load(parents.lower[2]) - Float4(0.5f*(latticeRange-1.0f))*Float4::load(parents.extent[2])),
@@ -49,6 +51,7 @@ namespace embree
         if (encoded) encodeThickness(slack);
       }
 
+      /*! Stores words and heights of all lanes; those that are not encoded are undefined. */
       void store(uint32_t words[4], Heights out[4]) const
       {
         const Int4* const h = heights;
@@ -65,13 +68,15 @@ namespace embree
         for (int lane=0; lane<4; lane++) out[lane] = { halves[0][lane],halves[1][lane] };
       }
 
+      /* Results of encode(), for leaf_lanes.h: decoded planes, reciprocals of their distances, heights, thickness. */
       Double4 plane(int axis, int i) const { return planes[axis][i]; }
       Double4 reciprocalWidth(int axis, int i) const { return reciprocal[axis][i]; }
       Double4 height(int v) const { return z[v]; }
       Double4 thickness() const { return thick; }
 
     private:
-      /*! Highest code, up to 31, for which closure(latticeOuter) is true, or 0. It must be true for all lower codes. */
+      /*! Highest code, up to 31, for which closure(latticeOuter(code)) is true, or 0. If it is true for a code, it must
+       *  be true for all lower codes. */
       template<typename Closure>
       static Int4 highest(const Closure& closure)
       {
@@ -114,7 +119,7 @@ namespace embree
         }
       }
 
-      /*! Sets `at` and `upper`. */
+      /*! Sets `at`, `upper` and `undecided`. */
       void findCells()
       {
         uint32_t irregular = 0;
@@ -135,7 +140,7 @@ namespace embree
         encoded &= ~irregular;
       }
 
-      /*! At corner (dx,dy) of the cell of vertex v. */
+      /*! Height of the surface at corner (dx,dy) of the cell of vertex v. */
       template<int v, int dx, int dy>
       Double4 corner() const
       {
@@ -151,6 +156,7 @@ namespace embree
         return a + at[v][0]*(b-a) + at[v][1]*(c-a) + at[v][0]*at[v][1]*(a-b-c+d);
       }
 
+      /*! Moves the height of vertex v by the distance of the surface from it. worst: raised to the largest distance. */
       template<int v>
       void moveToVertex(Mask4 active, Double4& worst)
       {
@@ -176,7 +182,7 @@ namespace embree
         }
       }
 
-      /*! q: in bins; rounded down. */
+      /*! As CodedLattice::set(). */
       void set(int v, Double4 q)
       {
         heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
@@ -204,7 +210,7 @@ namespace embree
       /*! Where the edge from a to b crosses the middle plane of an axis. */
       struct LineCrossing
       {
-        Double4 t, across, z; //!< fraction of the edge, position on the other axis
+        Double4 t, across, z; //!< fraction of the edge, position on the other axis, height of the edge
 
         LineCrossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
         {
@@ -292,9 +298,11 @@ namespace embree
         return range;
       }
 
+      /*! Sets `off` of a vertex. */
       template<int v>
       void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
 
+      /*! Sets `bend`. */
       void measureBends()
       {
         for (int i=0; i<4; i++) {
@@ -303,10 +311,11 @@ namespace embree
         }
       }
 
-      /*! Least difference for a certain comparison of bounds. Positions in cells, which are at least 2^-23 wide, have
-       *  errors below 2^-25; heights have errors below this fraction of 128 bins. */
+      /*! Smallest difference at which a comparison with a bound is certain, 1/8192 of a bin. Positions in cells, which
+       *  are at least 2^-23 wide, have errors below 2^-25; heights, up to 128 bins, have errors below this. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
+      /*! As raiseToVertices(), for one vertex and the lanes of a mask. */
       template<int v>
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
@@ -343,6 +352,7 @@ namespace embree
         }
       }
 
+      /*! As encodeLatticeThickness(). */
       void encodeThickness(Double4 slack)
       {
         measure<0>(); measure<1>(); measure<2>();
@@ -383,7 +393,7 @@ namespace embree
           latticeThickness(codes[3]&3))*size;
       }
 
-      /*! One lane as input of lattice_encoder.h. */
+      /*! One lane as input of lattice_encoder.h, for comparisons that are not certain. */
       struct Exact
       {
         CodedLattice lattice;
@@ -426,10 +436,10 @@ namespace embree
     private:
       const NodeBoxes& parents;
       const GroupLanes& groups;
-      Float4 lower, size;      //!< lower bounds and sizes of the bins
+      Float4 lower, size;      //!< HeightBins of each lane
       Int4 word;
-      Double4 planes[2][3], width[2][2], reciprocal[2][2];
-      Mask4 upper[2][3];       //!< [axis][line]: middle vertices in the upper cell
+      Double4 planes[2][3], width[2][2], reciprocal[2][2]; //!< width: distances of planes
+      Mask4 upper[2][3];       //!< [axis][line]: true if the middle vertex is in the upper cell
       Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];

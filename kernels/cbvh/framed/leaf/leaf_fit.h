@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Measures how well leaves represent their quads. A leaf is a height field over a box. Walls that are vertical in the
- * frame get wrong normals, folds become thick planes or entire boxes, and where the surface ends or bends, boxes extend
- * past the edges. Patches with many such quads should be stored as cVERT. docs/paper.md has the measurements behind the
- * limits. */
+/* Measures how well leaves represent their quads; framed/writer.h decides by the result if a patch should be stored as
+ * cVERT. A leaf is a height field over a box: walls that are vertical in the frame get wrong normals, folds become
+ * thick planes or entire boxes, and where the surface ends or bends, boxes extend past the edges. docs/paper.md has the
+ * measurements behind the limits. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
@@ -15,21 +15,23 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Between the normals of a leaf and its quad. */
+    /*! Smallest cosine of the angle between the normals of a leaf and its quad. */
     static constexpr double minNormalCosine = 0.7;
 
-    /*! Relative to the side of a square with the quad's area. */
+    /*! Largest thickness of a leaf, relative to the side of a square with the quad's area. */
     static constexpr double maxLeafThickness = 0.25;
 
-    /*! Distance that a leaf extends past an edge where the surface ends or bends, relative to the leaf's extent. */
+    /*! Largest distance that a leaf extends past an edge where the surface ends or bends, relative to the leaf's
+     *  extent. */
     static constexpr double maxOverhang = 1.0/16;
 
-    /*! Fractions of a patch's quads, and of its edges where the surface ends or bends. */
+    /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends, that may be poor. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! Quads that are a sufficient sample of a patch. */
+    /*! Number of quads that are a sufficient sample of a patch. */
     static constexpr size_t minQuadsSeen = 1024;
 
+    /*! Counts of poor quads and edges, of a block or a patch. */
     struct LeafFit
     {
       uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, loose or solid
@@ -43,6 +45,7 @@ namespace embree
         flippedQuads += other.flippedQuads;
       }
 
+      /*! True if the patch should be stored as cVERT. */
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
       /*! isPoor() before all quads and edges of the patch were measured. The first quarter is a sample of the remaining
@@ -54,7 +57,8 @@ namespace embree
           || poorEdges > maxPoorEdges*double(allEdges);
       }
 
-      /*! isRough: loose or solid. thickness: in world space. */
+      /*! Adds a quad at (x,y) of a block and its leaf. slope: of the leaf's plane. isRough: the leaf is loose or solid.
+       *  thickness: in world space. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
         bool isRough, double thickness)
       {
@@ -66,7 +70,7 @@ namespace embree
         poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
       }
 
-      /*! For a leaf whose normal is the frame's z axis. */
+      /*! Adds a quad of cVOXEL, whose normal is the frame's z axis. Counts only flipped quads. */
       void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
@@ -76,6 +80,7 @@ namespace embree
         flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
       }
 
+      /*! Adds an edge where the surface ends or bends. overhang: see maxOverhang. */
       void addEdge(double overhang)
       {
         edges++;
@@ -83,7 +88,7 @@ namespace embree
       }
 
     private:
-      /*! Cross product of the diagonals, in world space. length: twice the area. */
+      /*! Normal of a quad in world space: the cross product of its diagonals. length: twice the area. */
       struct QuadNormal
       {
         double n[3], length;
@@ -102,7 +107,7 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Cosine of the angle to the plane with these slopes. */
+        /*! Cosine of the angle to the normal of the plane with these slopes through the middle of a box (normal.h). */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Measures the leaves of four lattices at a time. Most leaves are good, and thinner than their block's thickest leaf,
- * which is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure the
- * others. */
+/* leaf_fit.h for the leaves of four lattices at a time. Most leaves are good, and thinner than the thickest leaf so
+ * far. This is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure the
+ * other leaves. */
 
 #include "lattice_lanes.h"
 #include "leaf_thickness.h"
@@ -17,6 +17,8 @@ namespace embree
     class LeafLanes
     {
     public:
+      /*! m: Morton index of the first group. parents: decoded boxes of the groups. All arguments must outlive the
+       *  object. */
       LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups,
         const LatticeLanes& lattices)
         : geometry(geometry), parents(parents), groups(groups), lattices(lattices)
@@ -29,7 +31,7 @@ namespace embree
         }
       }
 
-      /*! Lanes whose leaf of quad c is good, and not thicker than maxThickness. */
+      /*! Mask of lanes whose leaf of quad c is certainly good, and not thicker than maxThickness. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
@@ -68,7 +70,7 @@ namespace embree
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }
 
-      /*! As borderWidth() of group_encoder.h. */
+      /*! As borderWidth() of group_encoder.h, the maximum of the lanes of a mask. */
       double borderWidth(uint32_t lanes) const
       {
         double width = 0;

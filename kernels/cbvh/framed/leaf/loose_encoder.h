@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes loose groups (format.h). */
+/* Encodes loose groups (format.h): one plane per leaf, for quads that no lattice represents. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Fits a plane to a quad. z: heights at corners (0,0), (1,0), (0,1). Damped, so that slopes are 0 in directions
-     *  without extent. */
+    /*! Fits a plane to the four vertices of a quad, by least squares. z: heights at corners (0,0), (1,0) and (0,1) of
+     *  the box. The sums begin at 1e-9, so that slopes are 0 in directions without extent. */
     inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3])
     {
       double u[4], v[4], mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
@@ -36,8 +36,8 @@ namespace embree
       z[2] = z[0] + b;
     }
 
-    /*! thickness: smallest code that bounds the quad. A plane close to the vertices is close to the edges. The leaf is
-     *  solid if no code is large enough. */
+    /*! Returns the 15 bits of a leaf. thickness: set to the smallest code that bounds the quad; a plane close to the
+     *  vertices is also close to the edges. The leaf is solid if no code is large enough. */
     inline uint32_t encodeLooseLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
     {
       thickness = 0;
@@ -54,7 +54,7 @@ namespace embree
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
-      double lowest = 0, highest = 0; // of the plane's height above the vertices
+      double lowest = 0, highest = 0; // bounds of the plane's height above the vertices
       double lowestBorder = 1e300;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);
@@ -76,6 +76,7 @@ namespace embree
         lowest += up*bins.size;
         highest += up*bins.size;
       }
+      // these heights have another meaning
       if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
       const double deviation = std::max(-lowest,highest);
       while (thickness < 8 && !(0.5*looseThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
@@ -84,6 +85,8 @@ namespace embree
       return solidLeaf;
     }
 
+    /*! Encodes a group. parent: its decoded box. All leaves have the largest of their thicknesses. Does not set
+     *  borderWidth. */
     inline EncodedGroup encodeLoose(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;

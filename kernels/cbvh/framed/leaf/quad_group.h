@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Input and output of the encoders of cLEAF groups. */
+
 #include "format.h"
 #include "../node_encoder.h"
 
@@ -13,11 +15,12 @@ namespace embree
     /*! 2 x 2 quads in their block's frame. */
     struct QuadGroup
     {
-      double vertices[9][3];
-      ExactBox boxes[4];     //!< of the quads, with rounding; empty if a vertex is not finite
-      double rounding[3];    //!< largest distance between evaluations of a vertex by two faces
+      double vertices[9][3]; //!< row by row
+      ExactBox boxes[4];     //!< bounds of the quads, enlarged by `rounding`; empty if a vertex is not finite
+      double rounding[3];    //!< see BlockGeometry
       bool border[2][2];     //!< [axis][upper]: the side is on the block's border
 
+      /*! True if a corner of a quad is on the block's border. */
       bool isOnBorder(int quad, int corner) const {
         for (int axis=0; axis<2; axis++) {
           const int upper = childColumn(corner,axis);
@@ -26,16 +29,18 @@ namespace embree
         return false;
       }
 
-      /*! Least distance in z between the vertices and a surface with these slopes that bounds them. */
+      /*! Distance in z that a surface with these slopes must keep from the vertices to bound them despite rounding. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }
 
+      /*! Corner (column + 2 row) of a quad (column + 2 row). */
       const double* vertexOf(int quad, int corner) const {
         return vertices[(quad&1)+(corner&1) + 3*((quad>>1)+(corner>>1))];
       }
     };
 
+    /*! A group in the format of format.h. */
     struct EncodedGroup
     {
       uint32_t word;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF for a single ray. hit_rule.h decides where it hits. */
+/* Intersects leaves of cLEAF with a single ray: a visitor of block_walk1.h. hit_rule.h decides where the ray hits. */
 
 #include "crossing1.h"
 
@@ -54,10 +54,11 @@ namespace embree
         }
 
       private:
-        /* where the ray left the last leaf */
+        /* Where the ray left the last leaf: the leaf is 16 exitM + exitChild. */
         uint32_t exitM, exitChild;
         float exitS;
 
+        /*! Reports a hit where the ray left the last leaf. Returns true if the walk may end. from: see Verdict. */
         __noinline bool reportExit (uint32_t from)
         {
           LeafTile& tile = leafTile(exitM);
@@ -71,14 +72,15 @@ namespace embree
           passedMask = needsPassedBoxes(state) ? ~0u : 0u;
         }
 
-        /*! True if the walk may end. */
+        /*! Updates the state after a report. Returns true if the walk may end. */
         __forceinline bool accept (bool accepted)
         {
           if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! True if the ray hits the leaf in the way that `hit` selects (hit_rule.h); sets s. */
+        /*! Returns true if the ray hits the leaf, and sets s. hit: Verdict::hit. number: of the leaf in Morton
+         *  order. */
         __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number,
                                      float& s) const
         {
@@ -97,8 +99,10 @@ namespace embree
           return at.met;
         }
 
+        /*! s at position k of a crossing. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
+        /*! from: see Verdict. */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
           const vfloat4 uv = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* visitor1.h, crossing1.h and hit_rule.h with a ray per lane. */
+/* Intersects leaves of cLEAF with a packet: visitor1.h, crossing1.h and hit_rule.h with one ray per lane. Results have
+ * the same bits as those of single rays. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -14,14 +15,16 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! See WalkState. */
       template<int K>
       struct WalkStates
       {
-        vbool<K> known, above; //!< the side is known; it is above
+        vbool<K> known, above; //!< the side is known; the side is above
         vbool<K> pending, fromSurface, found;
 
         __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
 
+        /*! Sets all members but `found` for the rays in `lanes`. */
         __forceinline void assign (const vbool<K>& lanes, const WalkStates& next)
         {
           known = select(lanes,next.known,known);
@@ -31,6 +34,7 @@ namespace embree
         }
       };
 
+      /*! See Crossing and crossPatch(). */
       template<int K>
       struct Crossings
       {
@@ -59,7 +63,7 @@ namespace embree
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
         }
 
-        /*! (axis 0: u, axis 1: v) in a leaf's box. */
+        /*! Position in a leaf's box at s: u for axis 0, v for axis 1. */
         static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
                                                  const vfloat<K>& s)
         {
@@ -68,6 +72,7 @@ namespace embree
           return max(min(at,vfloat<K>(1.0f)),vfloat<K>(zero));
         }
 
+        /*! Ray k, without its event. */
         __forceinline Crossing<float> at (size_t k) const
         {
           Crossing<float> x;
@@ -92,7 +97,7 @@ namespace embree
       {
         WalkStates<K> state;
 
-        /* where rays left their last leaf */
+        /* Where rays left their last leaf. */
         vint<K> exitLeaf;
         vfloat<K> exitS;
 
@@ -102,7 +107,7 @@ namespace embree
         static const bool countsPassed = true;
 
         template<typename... Args>
-        // see LeafVisitor1
+        // hits in other blocks do not shorten the walk, see LeafVisitor1
         __forceinline LeafVisitorK (Args&&... args) : BlockVisitorK<K,Rays>(args...) { this->sBest = vfloat<K>(1.0f); }
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
@@ -126,7 +131,7 @@ namespace embree
           const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
           WalkStates<K> next = state;
           const vbool<K> first = andn(lanes,state.found);
-          vbool<K> hit;                  // at the entry, unless root or lip
+          vbool<K> hit;                  // rays that hit: at the entry, unless `root` or `lip` is set
           vbool<K> root(false), lip(false);
           LeafHits<K> hits;
           hits.fromAbove = hits.fromBelow = vbool<K>(false);
@@ -191,7 +196,7 @@ namespace embree
           hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }
 
-        /*! Reports hits where rays left their last leaf. above: side there. */
+        /*! Reports hits where the rays in `lanes` left their last leaf. above: side that they remember. */
         __noinline void reportExits (const vbool<K>& lanes, const vbool<K>& above)
         {
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
@@ -214,7 +219,7 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! Sets s, and returns the rays that intersect no lip. */
+        /*! Returns the rays of `lanes` that intersect no lip. Sets s of the others. */
         __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
                                              vfloat<K>& s) const
         {

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* cVOXEL has no leaves: the nodes are the surface. */
+/* Encoder of leaves of cVOXEL (members: block_encoder.h). It stores nothing, because the boxes of the last level of
+ * nodes are the surface; it only collects statistics. */
 
 #include "../leaf/leaf_thickness.h"
 

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Intersects leaves of cVOXEL with a single ray: a visitor of block_walk1.h. */
+
 #include "../block_visitor1.h"
 
 namespace embree
@@ -23,13 +25,14 @@ namespace embree
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
-          // of hits at the same distance, the first along the ray is accepted
+          // the first of hits at the same distance is accepted, in the order of the walk
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
         }
 
       private:
+        /*! Position in a leaf's box at s, along an axis, 0 to 1. */
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];

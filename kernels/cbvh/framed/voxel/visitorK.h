@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Leaves of cVOXEL for packets, with a ray per lane. visitor1.h states when a ray hits a leaf. */
+/* Intersects leaves of cVOXEL with a packet, one ray per lane: a visitor of block_walkK.h. visitor1.h states when a ray
+ * hits a leaf. */
 
 #include "../block_visitorK.h"
 
@@ -24,7 +25,7 @@ namespace embree
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
-          // of hits at the same distance, the first along the ray is accepted
+          // the first of hits at the same distance is accepted, in the order of the walk
           const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
           const vbool<K> hit = andn(lanes & nearer,this->startInside(box));
           if (none(hit)) return;
