@@ -267,7 +267,6 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 
 namespace {
 
-/* Sets a flag while it exists. */
 struct ScopedFlag
 {
   explicit ScopedFlag(std::atomic<bool>& flag) : flag(flag) { flag = true; }

@@ -101,7 +101,6 @@ private:
 
   void commitInput();
 
-  /* Settings for compression by the core. */
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   /* copies: true to copy the vertices. Otherwise they must exist until the commit. */

@@ -78,7 +78,6 @@ public:
 
   void attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal);
   Garbage detach(RTCScene scene, unsigned int geomID);
-  /* Sets the scenes of an instance. */
   Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
 
   /* Retains the attached geometries with substitutes. The caller must pass the result to releaseAll. */

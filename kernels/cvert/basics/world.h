@@ -32,7 +32,6 @@ namespace cvert { inline namespace CVERT_ISA
     return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x};
   }
   inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
-  /*! Sum of the magnitudes of the components. */
   inline double norm1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
   /*! An axis-aligned box, initially empty. */

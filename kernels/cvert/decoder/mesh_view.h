@@ -59,7 +59,6 @@ namespace cvert { inline namespace CVERT_ISA
       return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u;
     }
 
-    /*! Returns the group to which vertex v of the block belongs. */
     uint32_t groupOfVertex (uint32_t v) const
     {
       uint32_t g = 0;
@@ -67,7 +66,6 @@ namespace cvert { inline namespace CVERT_ISA
       return g;
     }
 
-    /*! Decodes vertex v of the block. */
     void vertex (uint32_t v, float out[3]) const
     {
       const uint32_t g = groupOfVertex(v), *const bits = fieldBits[g];

@@ -122,7 +122,6 @@ namespace cvert { inline namespace CVERT_ISA
       return std::sqrt(squares[squares.size()/2]);
     }
 
-    /*! Bounds of the finite vertices. */
     double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
 
   private:

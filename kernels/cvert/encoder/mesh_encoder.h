@@ -328,7 +328,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
 
-    /*! Computes the boxes of groups. */
+    /*! Computes the boxes of groups in units of 2^shift, rounded outwards by decoders. */
     void bound ()
     {
       for (int k=0; k<3; k++)

@@ -89,7 +89,6 @@ namespace cvert
     /*! ending: suffix of the unfinished file if another writer may continue it, else empty. */
     void open (const std::string& ending);
 
-    /*! Starts an empty file. */
     void begin ();
 
     /*! Continues the geometries of an earlier writer, or starts an empty file if there are none. */

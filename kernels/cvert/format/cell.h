@@ -51,13 +51,11 @@ CBVH_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); 
  *  would be mispredicted. Axis 3, in damaged blocks, counts as 0. */
 CBVH_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
 
-/*! Axis of component i (0 to 2). */
 CBVH_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
 
 /*! Slope of component i (1 or 2), in 1/16. */
 CBVH_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }
 
-/*! Size of a cell's fields. */
 CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
 /*! Returns the field of vertex i of row j, or -1 for a corner, which has no field. */

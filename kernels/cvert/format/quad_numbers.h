@@ -80,7 +80,6 @@ CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32
  *  of such a table are within 2^30 of the lowest one. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
-/*! Entries of a table. */
 CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
