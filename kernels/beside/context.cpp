@@ -14,7 +14,7 @@ using namespace embree::beside;
 namespace {
 
 thread_local std::string lastText;       // text of cbvhGetErrorText
-thread_local Failure ofEmbree = {CBVH_OK, ""}; // of Embree, not yet returned by a function
+thread_local Failure ofEmbree = {CBVH_OK, ""}; // error of Embree that no function has returned yet
 thread_local bool isTaken = false;             // this thread is in a function that returns such errors
 
 CbvhError codeOf(RTCError code)
@@ -30,8 +30,8 @@ CbvhError codeOf(RTCError code)
   }
 }
 
-/* Stores an error for the function that returns it. Functions for rays return none: errors of damaged blocks notify the
- * application at once. */
+/* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
+ * no errors: errors of damaged blocks notify the application at once. */
 void keepError(void* context, RTCError code, const char* text)
 {
   const Failure failure = {codeOf(code), text ? text : ""};
@@ -73,6 +73,7 @@ void CbvhContextTy::check() const
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
 
+/* Must be called in a catch block. */
 static Failure exceptionAsFailure()
 {
   try { throw; }

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Contexts, and conversion of errors of the kernels. Features of Embree (geometries, buffers, scenes, rays) are called
- * through Embree's API, which this library contains but does not export; their errors go to the device's error
- * function. Other features are called in kernels/cbvh/core, which throws. */
+/* Contexts of the C API (include/cbvh/cbvh.h), and conversion of the kernels' errors to errors of this API. Features of
+ * Embree (geometries, buffers, scenes, rays) are called through Embree's API, which this library contains but does not
+ * export; their errors go to the device's error function. Other features are called in kernels/cbvh/core, which throws.
+ * In comments of this folder, "core" is kernels/cbvh/core, and "kernels" is Embree with compression. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/core/errors.h"
@@ -23,6 +24,7 @@ class Device;
 
 namespace beside {
 
+/* An error of the API, thrown as an exception or returned. */
 struct Failure
 {
   CbvhError code;
@@ -31,11 +33,11 @@ struct Failure
   explicit operator bool() const { return code != CBVH_OK; }
 };
 
-/* Returns the exception of the enclosing catch block: a Failure, or an exception of the core. Appends an error of
+/* Converts the exception of the enclosing catch block, a Failure or an exception of the core. Appends an error of
  * Embree that was stored on this thread but not thrown, such as the reason why a block of a file is damaged. */
 Failure caughtFailure();
 
-/* Reference-counted, from 1. */
+/* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
 class Counted
 {
 public:
@@ -53,6 +55,7 @@ private:
   std::atomic<size_t> references;
 };
 
+/* Owns a reference to a Counted object, or is empty. */
 template<typename T>
 class Held
 {
@@ -73,10 +76,12 @@ private:
 
 }} // namespace embree::beside
 
+/* A context: a device of the kernels, and the application's error function. */
 struct CbvhContextTy : embree::beside::Counted
 {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
 
+  /* The device, for functions of the core. */
   embree::Device* inner() const { return (embree::Device*)device; }
 
   RTCDevice device;
@@ -114,10 +119,11 @@ private:
   const bool wereTaken;
 };
 
-/* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause errors. */
+/* Stores an error's text for cbvhGetErrorText, and calls an error function. The function may be NULL. It may call this
+ * API and cause further errors. Returns failure.code. */
 CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
-/* Runs an API function, and converts its errors to a code. */
+/* Runs an API function: converts its exceptions to a code, and reports them to the application. */
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
@@ -132,9 +138,11 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
   return context ? context->report(failure) : failure.code;
 }
 
+/* Throws CBVH_ERROR_INVALID_ARGUMENT if a condition is false. */
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* As callErrorFunction(), for functions without a context. */
+/* Stores the text of an invalid argument for cbvhGetErrorText, in functions that have no context to report it to.
+ * Returns CBVH_ERROR_INVALID_ARGUMENT. */
 CbvhError rejectArgument(const char* text);
 
 }} // namespace embree::beside

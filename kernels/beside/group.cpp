@@ -22,7 +22,7 @@ CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t co
   : context(context), scene(rtcNewScene(context->device))
 {
   try {
-    context->check(); // without memory there is no scene
+    context->check(); // throws if there was no memory for the scene
     for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
     firstPrimitive.resize(count + 1, 0);
     attached.resize(count, nullptr);
@@ -35,7 +35,7 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 
 void CbvhGroupTy::commit()
 {
-  for (const auto& surface : surfaces) { // both may throw, before the scene changes
+  for (const auto& surface : surfaces) { // both calls may throw, so they precede all changes of the scene
     surface->committed();
     surface->applyMask();
   }

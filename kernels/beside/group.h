@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces traced together: a scene of the kernels. */
+/* A group: surfaces that are traced together, as a scene of the kernels. rays.cpp traces it. */
 
 #include "surface.h"
 
@@ -11,12 +11,15 @@ struct CbvhGroupTy : embree::beside::Counted
 {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
+  /* Builds the tree over the surfaces' last commits. Throws if a surface is not committed. Also throws if faces were
+   * left out, after the group has been committed without them. */
   void commit();
 
   const embree::beside::Held<CbvhContextTy> context;
   const RTCScene scene;
   std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
-  std::vector<size_t> firstPrimitive;   // first primitive of each surface, then the total
+  // number of the first primitive of each surface in the group, then the number of all primitives; 0 before a commit
+  std::vector<size_t> firstPrimitive;
   CbvhStatistics statistics = CbvhStatistics(); // of the last commit
   bool isCommitted = false;
   void* userPtr = nullptr;
@@ -26,6 +29,6 @@ private:
 
   void keepStatistics();
 
-  std::vector<RTCGeometry> attached;   // attached geometry of each surface
+  std::vector<RTCGeometry> attached;   // geometry that the scene contains for each surface, or NULL
   size_t unsupportedFaces = 0;         // faces that the last commit left out
 };

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays of groups. A call first sets all geomIDs to invalid, and the kernels set them for hits. Then the geomIDs of rays
- * without a hit, and all instIDs, are restored. */
+/* Traces rays through groups. A call first sets all geomIDs to RTC_INVALID_GEOMETRY_ID, and the kernels set them for
+ * hits. Then it restores the geomIDs of rays without a hit, and all instIDs, which belong to the application. */
 
 #include "group.h"
 #include "structs.h"
@@ -14,7 +14,7 @@ namespace {
 static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
   "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-/* A context of the kernels, then the data of a query's filter. */
+/* The context that the kernels pass to filter(), which finds the query behind it. */
 struct Query
 {
   RTCIntersectContext context;
@@ -36,10 +36,11 @@ struct Query
   }
 };
 
-/* Costs one comparison per call. */
+/* True if the application was compiled with this version of CbvhQuery. Costs one comparison per call. */
 inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
 
-/* Calls trace(query) with a query of another version, converted to this one. Returns 0 on errors. */
+/* Converts a query of another version to this one, and calls trace(query). Returns 0 on errors. Not inlined, to keep
+ * the usual path short. */
 template<typename Trace>
 __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))
@@ -51,6 +52,7 @@ __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, 
   return trace(&known);
 }
 
+/* Types and functions of the kernels for packets of K rays. */
 template<unsigned int K> struct Kernels;
 template<> struct Kernels<4>
 {
@@ -74,6 +76,7 @@ template<> struct Kernels<16>
   static constexpr auto occluded = rtcOccluded16;
 };
 
+/* The mask of a packet whose rays are all valid. */
 template<unsigned int K>
 struct AllRays
 {
@@ -81,6 +84,7 @@ struct AllRays
   AllRays() { for (int& v : valid) v = -1; }
 };
 
+/* Returns a mask of the rays with a hit. valid: NULL if all rays are valid. */
 template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
@@ -105,7 +109,8 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   return hits;
 }
 
-/* Rays with a negative tfar have ended before the call, and are not reported as hits. */
+/* Returns a mask of the rays that are occluded. Rays with a negative tfar have ended before the call, and are not
+ * reported as hits. */
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {

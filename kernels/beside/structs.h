@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of cbvh.h, and their conversion to types of the core. */
+/* Structs of cbvh.h: their extensible versions, and their conversion from and to types of the core. */
 
 #include "cbvh/cbvh.h"
 
@@ -16,6 +16,7 @@
 namespace embree {
 namespace core {
 
+/* The member is the last one of the struct's first version, see core/struct_size.h. */
 CBVH_GROWING_STRUCT(CbvhCage, attributes);
 CBVH_GROWING_STRUCT(CbvhGrids, vertices);
 CBVH_GROWING_STRUCT(CbvhMesh, vertices);
@@ -30,7 +31,7 @@ CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
 
 namespace beside {
 
-/* Zeros select defaults. */
+/* Converts a camera for dicing. Zeros select defaults. */
 inline DicingCamera cameraOf(const CbvhDicing& dicing)
 {
   const DicingCamera defaults;

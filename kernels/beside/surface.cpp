@@ -19,8 +19,10 @@ namespace core = embree::core;
 
 namespace {
 
-constexpr unsigned int maxSteps = 129;
+constexpr unsigned int maxSteps = 129; // RTC_MAX_TIME_STEP_COUNT
 
+/* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. stride: bytes
+ * between items of the array. */
 void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t size, size_t stride, size_t count)
 {
@@ -72,8 +74,8 @@ std::string describeItem(const char* item, size_t i, const char* verb, size_t va
 
 [[noreturn]] void throwInvalidArgument(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* Throws if a value is not below bound. Texts are for the message: "crease index 3 is vertex 9: the cage has 8
- * vertices" has item "crease index", target "vertex" and targets "vertices". */
+/* Throws if a value is not below `bound`. Example of the message, with item "crease index", target "vertex" and targets
+ * "vertices": "crease index 3 is vertex 9: the cage has 8 vertices". */
 void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* item, const char* target,
   const char* targets)
 {
@@ -107,7 +109,8 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Sub-patches of a face without four corners: sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
+/* Embree divides a face without four corners into a sub-patch per corner. In hits, sub-patch i + 4 j begins at u = 2 i,
+ * v = 2 j. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
@@ -136,7 +139,6 @@ CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
       "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
 }
 
-/* copies: copies the vertices, which must otherwise exist until the commit. */
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
   require(vertices.steps && vertices.count > 0, "there are no vertices");
@@ -376,7 +378,8 @@ void CbvhSurfaceTy::commitInput()
     const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  /* a surface can have both blocks and an error about missing input */
+  /* A commit can store blocks and also report an error, about input that it left out. It then succeeds before
+   * throwing. */
   const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;

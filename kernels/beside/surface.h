@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A surface: a geometry of the kernels that releases its input in commits. */
+/* A surface: a geometry of the kernels that releases its input (cage, grids or mesh) when it is committed, and keeps
+ * only compressed blocks. An application sets an input, which is pending until commit() makes it the current one. */
 
 #include "context.h"
 
@@ -16,7 +17,7 @@
 
 namespace embree { namespace beside {
 
-/* A geometry, with the data of its callbacks. */
+/* A geometry of the kernels, with the data of its callbacks. It is the user data of these callbacks. */
 struct Input
 {
   RTCGeometry geometry;
@@ -26,9 +27,9 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
   std::vector<unsigned int> widths;   // width of each attribute
-  // of cages with attributes: faces without 4 corners, and their numbers of corners
+  // pairs of face and number of corners, sorted: the faces of a cage with attributes that do not have 4 corners
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
-  CbvhProgressFunction progress = nullptr; // set during a commit
+  CbvhProgressFunction progress = nullptr; // not NULL only during a commit
   void* progressPtr = nullptr;
 
   /* The geometry, for functions of the core. */
@@ -50,9 +51,12 @@ struct CbvhSurfaceTy : embree::beside::Counted
 {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
+  /* Set the pending input. Cages are copied. The vertices of grids and meshes must exist until the commit. */
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
+
+  /* Sets the edge rates of the pending cage for a camera. rates: receives them, one per index; may be NULL. */
   void dice(const CbvhDicing& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
   void setLossless(bool lossless);
@@ -61,16 +65,21 @@ struct CbvhSurfaceTy : embree::beside::Counted
   /* Sets the committed geometry's mask to the last value of setMask(). */
   void applyMask();
 
+  /* Compresses the pending input. If it throws, the last commit remains current and the input remains pending, unless
+   * the error is only about a part of the input that was left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
+
+  /* Replaces the surface by the geometry of a file. Throws unless the file contains exactly one. */
   void load(const char* path);
 
-  /* Input of the last commit. Throws if there is none. The result keeps the input alive if a callback commits or
-   * releases the surface. */
+  /* Input of the last commit. Throws if there is none. The result keeps the input alive even if a callback commits or
+   * releases the surface meanwhile. */
   std::shared_ptr<const embree::beside::Input> committed() const;
 
   /* Input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
   std::shared_ptr<const embree::beside::Input> interpolated() const;
+  /* The input that was set last, committed or not; NULL if there is none. */
   const embree::beside::Input* last() const { return pending ? pending.get() : current.get(); }
 
   const embree::beside::Held<CbvhContextTy> context;
@@ -92,17 +101,18 @@ private:
 
   void commitInput();
 
-  /* Settings of the next commit. */
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
+  /* copies: true to copy the vertices. Otherwise they must exist until the commit. */
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
-  /* Throws, and replaces nothing, if the device reported an error. */
+
+  /* Replaces the pending input. Throws, and replaces nothing, if the device reported an error. */
   void setPending(InputPtr input);
 
-  InputPtr current, pending;    // input that is committed, and of the next commit
-  CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
+  InputPtr current, pending;    // input of the last commit and of the next one
+  CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy(); // of the next and the last commit
   bool isLossless = false, committedLossless = false;
-  unsigned int mask = ~0u, appliedMask = ~0u; // set value, and the committed geometry's
+  unsigned int mask = ~0u, appliedMask = ~0u; // value of setMask(), and value of the committed geometry
   std::atomic<bool> isChanging{false}; // set while a Change exists
-  std::atomic<bool> isPendingInUse{false}; // callbacks of the pending input may be called
+  std::atomic<bool> isPendingInUse{false}; // set while callbacks of the pending input may be called
 };

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sizes of the radix sort of rays (shaders/ray_order.comp). */
+/* Sizes of the radix sort of rays, shared by shaders/ray_order.comp and host/ray_order.cpp. */
 
 #ifndef CBVH_RAY_ORDER_H
 #define CBVH_RAY_ORDER_H
@@ -13,9 +13,10 @@ CBVH_BEGIN
 CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< threads per workgroup
 CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< keys per thread
 CVERT_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< keys per workgroup
-CVERT_CONSTANT uint32_t orderDigitBits = 4u;
-CVERT_CONSTANT uint32_t orderDigits = 16u;
-CVERT_CONSTANT uint32_t orderPasses = 8u;                      //!< 30 bits; even: the first buffer has the result
+CVERT_CONSTANT uint32_t orderDigitBits = 4u;                   //!< bits that a pass sorts by
+CVERT_CONSTANT uint32_t orderDigits = 16u;                     //!< 2^orderDigitBits
+CVERT_CONSTANT uint32_t orderPasses = 8u;                      //!< for keys of 30 bits; even, so that the result is in
+                                                               //!< the first of two buffers
 
 CBVH_END
 

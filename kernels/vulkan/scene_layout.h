@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of a scene in device memory, shared by C++ and GLSL. A SceneData refers to everything else. Blocks are the
- * same bytes as on the CPU. */
+/* Layout of a scene in device memory, shared by C++ and GLSL: host/scene.cpp writes it, and shaders read it. A
+ * SceneData refers to everything else. Blocks are the same bytes as on the CPU. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -17,37 +17,39 @@
 
 CBVH_BEGIN
 
-/*! four lower and four upper planes per axis, four references */
+/*! Bytes of a node with four children: a lower and an upper plane per axis and child, and a reference per child. */
 CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
-/*! also the planes' motion and each child's time interval */
+/*! Bytes of a moving node: also the planes' motion and each child's time interval. */
 CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
+/*! A scene. Addresses are device addresses of arrays. References are defined in base/reference.h. */
 struct SceneData
 {
   CBVH_ADDRESS nodes;
   CBVH_ADDRESS movingNodes;
   CBVH_ADDRESS blocks;       //!< address of BlockData
-  CBVH_ADDRESS cells;        //!< pairs: index in `blocks` and vertex (cell of GRID), or geomID and primID (triangle)
+  CBVH_ADDRESS cells;        //!< leaves in full precision, pairs of words: index in `blocks` and first vertex (a cell
+                             //!< of GRID's 2 x 2 quads), or geomID and primID (a triangle)
   CBVH_ADDRESS geometries;   //!< address of GeometryData
-  uint32_t root;             //!< reference
+  uint32_t root;             //!< reference to the root of the tree
   float lower[3], upper[3];  //!< bounds of the scene
   uint32_t padding[3];
-  /* only for ray queries */
+  /* Only for scenes that are traced by ray queries. */
   CBVH_ADDRESS topLevel;     //!< acceleration structure
   CBVH_ADDRESS placed;       //!< PlacedBoxes, indexed by an instance's custom index in topLevel
 };
 
-/*! A leaf for ray queries, indexed by primitive number. */
+/*! A leaf for ray queries: a box of a bottom-level acceleration structure. Its index is the box's primitive index. */
 struct LeafBox
 {
   float lower[3], upper[3];
-  uint32_t reference;        //!< base/reference.h; indices of the whole scene
+  uint32_t reference;        //!< reference to the leaf, in the whole scene's arrays
   uint32_t padding;
 };
 CVERT_CONSTANT uint32_t leafBoxBytes = 32u;
 
-/*! Boxes of a top-level instance. */
+/*! Boxes of an instance in the top-level acceleration structure. */
 struct PlacedBoxes
 {
   CBVH_ADDRESS boxes;        //!< address of LeafBox
@@ -56,7 +58,7 @@ struct PlacedBoxes
 };
 CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
 
-/*! A block, or a grid of GRID. */
+/*! A compressed block, or a grid of GRID. */
 struct BlockData
 {
   CBVH_ADDRESS address;      //!< aligned to blockAlignment
@@ -74,7 +76,7 @@ struct GeometryData
   float worldToLocal[12];    //!< 3x4, column by column
   uint32_t root;             //!< root of the instanced scene
   uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0
-  /* moving instance; linear between the steps */
+  /* Motion of an instance, linear between the steps. */
   uint32_t numSteps;         //!< 1 if static
   float begin, end;          //!< times of the first and last step
   uint32_t padding;

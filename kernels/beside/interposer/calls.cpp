@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's functions for devices, scenes and instances. */
+/* Overrides Embree's functions for devices, scenes, instances, and the lifetime of geometries. Each passes the call to
+ * Embree (REAL) and keeps Objects consistent. Compressed geometry is built when its scene is committed. */
 
 #include "objects.h"
 #include "options.h"
@@ -13,7 +14,7 @@ using namespace interposer;
 
 namespace {
 
-/* The item "threads=2" of a device's settings, which also sets the number of building threads. */
+/* Returns the item "threads=N" of a device's settings, or "". It also applies to builds by libembree_cbvh. */
 std::string threadsOf(const char* config)
 {
   const std::string text = config ? config : "";
@@ -33,7 +34,7 @@ bool isInstance(RTCGeometryType type) {
   return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
 }
 
-/* The application's handle. */
+/* Converts a geometry that Embree returned to the application's handle. */
 RTCGeometry originalOf(RTCGeometry geometry)
 {
   if (!geometry || !hasStandIns() || !isActive()) return geometry;
@@ -41,7 +42,8 @@ RTCGeometry originalOf(RTCGeometry geometry)
   return standIn ? standIn->original : geometry;
 }
 
-/* The geometry that Embree must attach. isOriginal: it is the original. */
+/* Returns the geometry that Embree must attach instead of the application's. isOriginal: receives true if it is the
+ * application's. */
 RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
@@ -49,9 +51,10 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
   return isOriginal ? geometry : substituted->substitute;
 }
 
-/* Share of a scene's progress for builds here, if there are any. */
+/* Fraction of a scene's progress that reports builds by libembree_cbvh; Embree's commit reports the rest. */
 constexpr double shareOfBuilds = 0.9;
 
+/* Progress function that Embree calls. Returns false to cancel the commit. */
 bool reportProgress(void* ptr, double done)
 {
   const Scene& scene = *(const Scene*)ptr;
@@ -145,7 +148,8 @@ RTC_API void rtcRetainScene(RTCScene scene)
 
 RTC_API void rtcReleaseScene(RTCScene scene)
 {
-  /* before Embree's release, after which another object can get the address */
+  /* Before Embree's release: afterwards, Embree can reuse the address for another object. The garbage is destroyed at
+   * the end of this function, after Embree's release. */
   const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
   REAL(rtcReleaseScene)(scene);
 }
@@ -164,7 +168,7 @@ RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigne
   const RTCGeometry attached = substituteOf(geometry, isOriginal);
   REAL(rtcAttachGeometryByID)(scene, attached, geomID);
   if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
-  /* only if no other geometry used the ID */
+  /* Embree reports an error if another geometry already has the ID */
   if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached)
     Objects::get().attach(scene, geomID, geometry, isOriginal);
 }

@@ -12,6 +12,7 @@ namespace interposer {
 
 namespace {
 
+/* Thrown if the application's progress function cancels a build. */
 struct Canceled {};
 
 const char* nameOf(RTCGeometryType type)
@@ -20,7 +21,8 @@ const char* nameOf(RTCGeometryType type)
     : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
 }
 
-/* All devices share the context of the same settings. It is never released. */
+/* Returns the context of libembree_cbvh for some settings. Devices with the same settings share it. It is never
+ * released. */
 CbvhContext contextOf(const std::string& settings)
 {
   static std::mutex& mutex = *new std::mutex;
@@ -88,7 +90,7 @@ void Substituted::setUserData(void* userData)
   change(input.displacement ? InputChange : AppearanceChange);
 }
 
-/* A commit without changes means that shared buffers have new contents. */
+/* A commit without any change since the last one means that shared buffers have new contents. */
 void Substituted::commit()
 {
   if (changes != AppearanceChange) isCommitted = true;

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* An application's geometry, for which scenes contain a substitute. The application's handle is Embree's geometry,
- * which receives all calls and interpolates, but is in no scene, so that Embree never tessellates it. */
+/* An application's geometry, for which scenes contain a substitute: a user geometry that traces the compressed surface.
+ * The application's handle is Embree's geometry (the original), which receives all calls and interpolates, but is in no
+ * scene, so that Embree never tessellates it. If a geometry cannot be compressed, scenes contain the original. */
 
 #include "input.h"
 #include "stand_in.h"
@@ -16,13 +17,14 @@
 
 namespace interposer {
 
-/* Receives the completed fraction, 0 to 1. Returns false to cancel. */
+/* Called with the completed fraction, 0 to 1. Returns false to cancel. */
 typedef std::function<bool(double)> Progress;
 
 class Substituted
 {
 public:
-  /* Returns NULL if no substitute is possible. settings: of the context of libembree_cbvh. */
+  /* Returns NULL if no substitute is possible. The caller owns the result. settings: for the context of
+   * libembree_cbvh. */
   static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
@@ -30,9 +32,10 @@ public:
 
   /* Input of the next commit. */
   Input input;
-  /* A change of the input requires a new build, a change of masks, filters or user data does not. */
+  /* A change of the input requires a new build. A change of masks, filters or user data does not. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
+  /* Called when the application commits the geometry. The next commit of a scene builds it if necessary. */
   void commit();
   void setEnabled(bool enabled) { isEnabled = enabled; }
   void setUserData(void* userData);
@@ -40,17 +43,17 @@ public:
   StandIn* const standIn;
   const RTCGeometry substitute;
 
-  /* Builds the committed input if necessary. Returns false if `progress` canceled. */
+  /* Builds the committed input if necessary. Returns false if `progress` canceled. Threads may call it concurrently. */
   bool build(const Progress& progress);
   bool needsBuild() const { return isCommitted && isEnabled; }
 
-  /* Scenes must use the original. Only build() changes this. */
+  /* True if scenes must contain the original. Only build() changes this. */
   bool isLeftToEmbree() const { return isLeft; }
 
 private:
   Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
     RTCGeometry substitute);
-  void discard(); // the built surface and its group
+  void discard(); // releases the built surface and its group
   void buildSurface(const Progress& progress);
 
   const std::string settings;

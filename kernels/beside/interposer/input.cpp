@@ -37,7 +37,7 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
 }
 
 /* A buffer's items as a contiguous array: the buffer itself if its stride is the size of an item, otherwise a copy.
- * Empty without a buffer. */
+ * Empty if there is no buffer. */
 template<typename T>
 class Packed
 {

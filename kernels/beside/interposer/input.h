@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* An application's input of a geometry, from which a surface of libembree_cbvh is built. */
+/* The input that an application sets on a geometry of Embree (buffers, rates, displacement), and its conversion to the
+ * input of a surface of libembree_cbvh. */
 
 #include "real.h"
 
@@ -15,9 +16,10 @@
 
 namespace interposer {
 
-/* Why a geometry is left to Embree. */
+/* Thrown if a geometry cannot be compressed, with the reason. Embree then traces it. */
 struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
 
+/* A buffer that the application shares or that Embree owns. stride: in bytes. */
 struct Buffer
 {
   RTCFormat format;
@@ -29,7 +31,7 @@ struct Input
 {
   RTCGeometryType type;
   RTCGeometry original;
-  void* const* userData;         // the application's user data, for displacement
+  void* const* userData;         // points to the application's user data, for displacement
   unsigned int numTimeSteps = 1;
   float begin = 0, end = 1;      // time range
   float tessellationRate = 2;

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The application's scenes and geometries, and their references. A substitute must exist while a scene contains its
- * geometry, but Embree does not report when that ends. References are therefore counted as Embree counts them: of the
- * application, of scenes to geometries, and of instances to scenes. */
+/* The application's scenes and geometries, and their reference counts. A substitute must exist while a scene contains
+ * its geometry, but Embree does not report when that ends. References are therefore counted as Embree counts them: the
+ * application's references, references from scenes to geometries, and references from instances to scenes. */
 
 #include "geometry.h"
 
@@ -30,23 +30,24 @@ struct Geometry
 struct Attachment
 {
   Geometry* geometry;
-  bool isOriginal;                  // Embree has the original, not the substitute
+  bool isOriginal;                  // Embree's scene contains the original, not the substitute
 };
 
 struct Scene
 {
   RTCScene handle;
   size_t references = 1;
-  std::map<unsigned int, Attachment> attached;
-  RTCProgressMonitorFunction progress = nullptr;
+  std::map<unsigned int, Attachment> attached; // by geomID; only geometries that Objects contains
+  RTCProgressMonitorFunction progress = nullptr; // the application's
   void* progressPtr = nullptr;
   std::mutex preparing;                  // held while a thread builds substitutes
   std::mutex joining;                    // protects the two members below
-  size_t numJoined = 0;                  // threads in a commit
-  bool isEnding = true;                  // a thread has left the commit
+  size_t numJoined = 0;                  // threads in the current commit
+  bool isEnding = true;                  // a thread has left it
   std::atomic<bool> isCanceled{false};   // for all threads that joined the commit
 };
 
+/* Thread-safe. Handles that Objects does not contain are ignored. */
 class Objects
 {
 public:
@@ -54,10 +55,10 @@ public:
   static Objects& get() { static Objects& objects = *new Objects; return objects; }
 
   void addScene(RTCScene scene);
-  /* substituted: NULL for instances. */
+  /* Takes ownership of `substituted`, which is NULL for instances. */
   void addGeometry(RTCGeometry geometry, Substituted* substituted);
 
-  /* NULL for unknown objects. Valid while the caller holds a reference to the handle. */
+  /* Return NULL for unknown objects. The result is valid while the caller holds a reference to the handle. */
   Scene* find(RTCScene scene);
   Geometry* find(RTCGeometry geometry);
   Substituted* findSubstituted(RTCGeometry geometry);
@@ -65,8 +66,8 @@ public:
   void retain(RTCScene scene);
   void retain(RTCGeometry geometry);
 
-  /* Objects without references. Must be destroyed after the lock is released, and after Embree has released the object
-   * that held them. */
+  /* Objects that have no references any more. The caller must destroy them after Embree has released the object that
+   * referred to them. Destroying them calls Embree, so it must not happen while Objects is locked. */
   struct Garbage
   {
     std::vector<std::unique_ptr<Geometry>> geometries;
@@ -82,12 +83,12 @@ public:
   /* Retains the attached geometries with substitutes. The caller must pass the result to releaseAll. */
   std::vector<std::pair<unsigned int, Geometry*>> substitutedOf(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
-  /* True if Embree's scene has another geometry attached (original or substitute) than it should; records the
-   * change. */
+  /* Records that Embree's scene must contain the original or the substitute. Returns true if it contains the other one,
+   * which the caller must then exchange. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if a geometry has a substitute. geomID: in the scene that the instances lead to, from `scene`. instances: IDs,
-   * outermost first. */
+  /* True if Embree's scene contains a substitute at geomID. instances: IDs of instances that lead from `scene` to the
+   * scene with this geometry, outermost first. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

@@ -46,11 +46,11 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Keys and words of EMBREE_CBVH that are supported here, named as in Embree CBVH. */
+/* Keys and words of EMBREE_CBVH that the interposer supports. Messages suggest the nearest one. */
 static const std::vector<std::string> words =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
-/* For the paper's representations and their settings. */
+/* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
 static bool isFramedSetting(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
@@ -62,12 +62,12 @@ static bool isFramedSetting(const std::string& item)
   return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
 
-/* False for unknown items. */
+/* Applies an item of EMBREE_CBVH. Returns false if it is unknown. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    // no effect: the library writes these lines, and never keeps input
+    // accepted without effect: only libembree3 of this project prints lines and can keep input
     if (item == "verbose" || item == "release_input") return true;
     if (item == "0" || item == "none") options.isOn = false;
     else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
@@ -97,7 +97,7 @@ const Options& options()
         warnOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
         continue;
       }
-      read.isOn = false; // the library rejects the item too
+      read.isOn = false; // libembree3 of this project rejects the item, too
       warnOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
                item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());

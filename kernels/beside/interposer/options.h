@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Settings of the environment variable EMBREE_CBVH, in the syntax of Embree CBVH:
+/* Settings of the environment variable EMBREE_CBVH, in the same syntax as for libembree3 of this project:
  * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. */
 
 #include <embree4/rtcore.h>
@@ -16,13 +16,14 @@ struct Options
   bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
   float maxError = -1;         // world units; 0: lossless; negative: the library's default
 
+  /* True if geometry of this type is compressed. Subdivision geometry always is. */
   bool compresses(RTCGeometryType type) const;
 };
 
 /* Read once. Unknown items are reported on stderr and turn compression off. */
 const Options& options();
 
-/* Prints each line to stderr only once. */
+/* Prints a line to stderr, unless it was printed before. Thread-safe. */
 void warnOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 } // namespace interposer

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries. Embree calls a query's function for each primitive near the point, except for subdivision surfaces.
- * Calls for substitutes are not passed to the application. */
+/* Overrides Embree's point queries. Embree calls a query's function for each primitive near the point, except for
+ * subdivision surfaces. Calls for substitutes are not passed to the application, which does not know these
+ * primitives. */
 
 #include "objects.h"
 #include "options.h"
@@ -16,9 +17,9 @@ struct PointQuery
   RTCScene scene;
   RTCPointQueryFunction function;
 };
-thread_local const PointQuery* current = nullptr;
+thread_local const PointQuery* current = nullptr; // innermost query of the thread
 
-/* Queries can be nested. */
+/* Sets `current` while it exists. Queries can be nested: a query's function may start another query. */
 struct QueryScope
 {
   explicit QueryScope(const PointQuery* query) : outer(current) { current = query; }
@@ -38,7 +39,7 @@ bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
   return false;
 }
 
-/* query: calls Embree with the function that it receives. */
+/* query: calls Embree's function with the RTCPointQueryFunction that it receives. */
 template<typename Query>
 bool runQuery(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {

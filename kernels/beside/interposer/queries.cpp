@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays: callbacks of stand-ins, and Embree's functions for queries, whose arguments the callbacks require. If a query's
- * arguments contain a function for user geometry, Embree 4 calls it instead of the geometry's own, and does not pass on
- * the arguments' filter. */
+/* Rays: the callbacks by which Embree traces substitutes, and overrides of Embree's functions that trace rays. The
+ * callbacks need the arguments of these functions: if they contain a function for user geometry, Embree 4 calls it
+ * instead of the geometry's own, and does not pass on the arguments' filter. */
 
 #include "stand_in.h"
 
@@ -18,7 +18,7 @@ namespace {
 template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
 template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
 
-/* Queries can be nested. */
+/* Sets the current arguments while it exists. Queries can be nested: a filter may trace rays. */
 template<typename Arguments>
 struct QueryScope
 {
@@ -33,6 +33,7 @@ private:
   const Arguments* const outer;
 };
 
+/* Returns the filter in the query's arguments if Embree would call it for this geometry, otherwise NULL. */
 template<typename Arguments>
 RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
 {
@@ -44,7 +45,7 @@ RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* With this context, embree.h calls filter() below. */
+/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit. */
 struct FilteredContext
 {
   CbvhQueryContext query;
@@ -53,6 +54,7 @@ struct FilteredContext
   RTCFilterFunctionN ofGeometry, ofArguments;
 };
 
+/* Calls the application's filters as Embree does: the geometry's, then the arguments'. */
 void filter(const RTCFilterFunctionNArguments* args)
 {
   const FilteredContext& filtered = *(const FilteredContext*)args->context;
@@ -63,6 +65,7 @@ void filter(const RTCFilterFunctionNArguments* args)
   if (*changed.valid && filtered.ofArguments) filtered.ofArguments(&changed);
 }
 
+/* Traces the group of a stand-in. function: cbvhIntersectGeometry or cbvhOccludedGeometry. */
 template<typename Function, typename Arguments>
 void call(const Function& function, const Arguments* args, const StandIn& standIn, RTCFilterFunctionN ofGeometry,
   RTCFilterFunctionN ofArguments)
@@ -99,7 +102,7 @@ void occluded(const RTCOccludedFunctionNArguments* args)
   call(cbvhOccludedGeometry, args, standIn, standIn.occludedFilter, filterOfArguments<RTCOccludedArguments>(standIn));
 }
 
-/* Replaces the application's function for user geometry. */
+/* Replace the application's functions for user geometry, and call them for all geometries but stand-ins. */
 void intersectAny(const RTCIntersectFunctionNArguments* args)
 {
   if (asStandIn(args->geometryUserPtr)) intersect(args);
@@ -176,7 +179,7 @@ PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
 
-/* forwarded, because cbvh/embree.h can call these functions if filters are passed differently */
+/* Only forwarded: cbvh/embree.h refers to these functions, and this library does not link Embree. */
 RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
   const RTCFilterFunctionNArguments* filterArgs)
 {

@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Embree's original functions that this library overrides. */
+/* Access to Embree's own functions, which this library overrides. */
 
 #include <embree4/rtcore.h>
 
 namespace interposer {
 
-/* Returns the next function after this library in symbol order, or that of the loaded libembree4 if a module loaded
- * Embree with local visibility. Aborts the program if there is none. */
+/* Returns the function of Embree with this name: the next one after this library in the dynamic linker's search order,
+ * or the function of a loaded Embree that the program loaded with RTLD_LOCAL. Aborts the program if there is none. */
 void* findReal(const char* name);
 
 /* True if the program uses Embree 4, and the environment does not disable this library. Embree 3 has functions of the
@@ -19,7 +19,7 @@ bool isActive();
 
 } // namespace interposer
 
-/* REAL(rtcNewScene)(device) */
+/* Example: REAL(rtcNewScene)(device) calls Embree's rtcNewScene. Looks up each function once per use. */
 #define REAL(name) \
   ([]() -> decltype(&::name) { \
     static const auto function = (decltype(&::name))interposer::findReal(#name); \

@@ -14,13 +14,13 @@ StandInRange standInRange = {{0}, {0}};
 
 namespace {
 
-constexpr size_t maxStandIns = size_t(1) << 20;   // reserves addresses; memory is used on demand
+constexpr size_t maxStandIns = size_t(1) << 20;   // only reserves addresses; the system adds memory on demand
 
 struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted StandIn
 
 std::mutex& mutex = *new std::mutex;
 FreeEntry* firstFree = nullptr;
-size_t numUsed = 0;                    // stand-ins that were ever created, without reused ones
+size_t numUsed = 0;                    // used entries from the start of the range, including free ones
 std::atomic<bool> hasAny{false};       // stays true
 
 } // namespace

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* In scenes, a user geometry of Embree substitutes an application's geometry. A StandIn is its user data. */
+/* In scenes, a user geometry of Embree (the substitute) replaces an application's geometry. A StandIn is the user data
+ * of the substitute: what its callbacks need. */
 
 #include "real.h"
 
@@ -32,20 +33,21 @@ struct StandInRange
 };
 extern StandInRange standInRange;
 
+/* Returns the StandIn if the user data is one, otherwise NULL. */
 inline StandIn* asStandIn(void* userData)
 {
   const uintptr_t size = standInRange.size.load(std::memory_order_acquire);
   return uintptr_t(userData) - standInRange.begin.load(std::memory_order_relaxed) < size ? (StandIn*)userData : nullptr;
 }
 
-/* NULL if the address range is exhausted. */
+/* Returns a zeroed StandIn, or NULL if the address range is exhausted. */
 StandIn* newStandIn();
 void deleteStandIn(StandIn* standIn);
 
 /* False until the first stand-in is created. Until then, queries are passed to Embree unchanged. */
 bool hasStandIns();
 
-/* With the callbacks of stand-ins. NULL if Embree fails. */
+/* Creates a substitute, with the callbacks of queries.cpp. Returns NULL if Embree fails. */
 RTCGeometry newUserGeometry(RTCDevice device, StandIn* standIn);
 
 } // namespace interposer

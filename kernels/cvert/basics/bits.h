@@ -3,6 +3,7 @@
 
 #pragma once
 
+/* Writes the fields of blocks that have any number of bits. bitsAt() of bytes.h reads them. */
 
 #include "language.h"
 #include <cstdint>
@@ -10,19 +11,20 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Bits of a number; 0 for 0. */
+  /*! Number of bits that are necessary to store a number: the position of its highest set bit, from 1; 0 for 0. */
   inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
-  /*! Appends numbers of up to 32 bits, lowest bit first. */
+  /*! Appends numbers of up to 32 bits without gaps, lowest bit first. Requires a little-endian processor. */
   class BitWriter
   {
   public:
+    /*! out: start of the output, of any alignment. Writes no byte after the last bit's. */
     explicit BitWriter (uint8_t* out) : out(out) {}
 
     /*! Requires number < 2^bits. */
     void put (uint32_t number, uint32_t bits)
     {
-      pending |= uint64_t(number) << count; // at most 31 + 32 bits
+      pending |= uint64_t(number) << count; // at most 31 pending bits and 32 new ones
       count += bits;
       if (count < 32) return;
       const uint32_t word = uint32_t(pending);

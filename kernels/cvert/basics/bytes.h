@@ -1,12 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory access in code shared by C++ and GLSL. Addresses are pointers in C++, buffer addresses (two words) in GLSL.
+/* Memory access in code shared by C++ and GLSL: all decoders read the bytes of a block by these functions. Addresses
+ * are pointers in C++, and buffer addresses (two words, lower half first) in GLSL.
  *
  *   CVERT_POINTER(Type)       address of a struct, or of any bytes if Type is void
  *   CVERT_AS(Type,address)    converts an address to the address of a struct
  *   CVERT_AT(Type,address)    the struct at an address; GLSL can only read single members of it
- *   CVERT_READABLE(Type,A)    after a struct: enables CVERT_AT in GLSL, for addresses that are multiples of A
+ *   CVERT_READABLE(Type,A)    after a struct: enables CVERT_AT in GLSL, for addresses that are multiples of A bytes
  *   CVERT_IN(Type)            type of a read-only parameter that is too large to copy
  *   CVERT_PRECISE             before a local float: GLSL neither reorders nor fuses its operations */
 
@@ -61,7 +62,7 @@ uvec2 bytesAfter (uvec2 at, uint offset)
 
 CVERT_BEGIN
 
-/*! Requires an address that is a multiple of 4. */
+/*! Returns the i-th 32-bit word. GLSL requires addresses that are multiples of 4, here and in all functions below. */
 CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 {
   uint32_t word;
@@ -71,7 +72,7 @@ CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 
 CVERT_INLINE uint32_t byteAt (const void* at, uint32_t offset) { return ((const uint8_t*)at)[offset]; }
 
-/*! The offset must be even. */
+/*! Returns 16 bits. The offset, in bytes, must be even. */
 CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
 {
   uint16_t half;
@@ -79,8 +80,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns `count` bits (at most 32) from bit `bit` on; higher bits of the result are undefined. C++ reads only bytes
- *  with a requested bit; GLSL reads whole words and the next word. */
+/*! Returns `count` bits (at most 32) from bit `bit` on. Higher bits of the result are undefined. C++ reads only bytes
+ *  that contain a requested bit. GLSL reads whole words and may read the word after the last bit. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);
@@ -98,7 +99,7 @@ CVERT_END
 
 CVERT_BEGIN
 
-/*! Requires an address that is a multiple of 4. */
+/*! Returns the i-th 32-bit word as a float. */
 CBVH_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in an AVX register. */
+/* Four doubles in an AVX register: the reference for the other variants of double4.h. */
 
 #include "lanes.h"
 
@@ -45,10 +45,10 @@ namespace cvert { inline namespace CVERT_ISA
   inline Double4 select(Mask4 m, Double4 a, Double4 b) { return _mm256_blendv_pd(b.v,a.v,m.v); }
   inline Float4 toFloat(Double4 a) { return _mm256_cvtpd_ps(a.v); }
 
-  /*! 0 in lanes whose mask is not set */
+  /*! Sets lanes to 0 where the mask is not set. */
   inline Double4 operator&(Mask4 m, Double4 a) { return _mm256_and_pd(m.v,a.v); }
 
-  /*! Rounds towards zero. */
+  /*! Rounds towards zero. Returns INT32_MIN for NaN and numbers out of range. */
   inline Int4 toInt(Double4 a) { return _mm256_cvttpd_epi32(a.v); }
 
   inline Int4 operator&(Mask4 m, Int4 a) {
@@ -56,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_and_si128(_mm_castps_si128(_mm_shuffle_ps(low,high,_MM_SHUFFLE(2,0,2,0))),a.v);
   }
 
-  /*! bit i sets lane i */
+  /*! Converts bit i of `bits` to the mask of lane i. */
   inline Mask4 maskOf(uint32_t bits)
   {
     const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
@@ -65,13 +65,13 @@ namespace cvert { inline namespace CVERT_ISA
       _mm_unpackhi_epi32(set,set),1)) };
   }
 
-  /*! a0 b1 - a1 b0 */
+  /*! Returns a0 b1 - a1 b0, the z component of a cross product. */
   inline double crossOfXY(Double4 a, Double4 b) {
     const __m128d l = _mm256_castpd256_pd128(b.v), p = _mm_mul_pd(_mm256_castpd256_pd128(a.v),_mm_shuffle_pd(l,l,1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }
 
-  /* Minimum and maximum of all lanes. */
+  /* Minimum and maximum over all lanes. */
   inline double least(Double4 a) {
     const __m128d m = _mm_min_pd(_mm256_castpd256_pd128(a.v),_mm256_extractf128_pd(a.v,1));
     return _mm_cvtsd_f64(_mm_min_sd(m,_mm_unpackhi_pd(m,m)));

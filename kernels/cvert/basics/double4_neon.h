@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* double4_avx.h in two NEON registers, with the same results, also for NaN. */
+/* The functions of double4_avx.h in two NEON registers, with the same results, also for NaN. */
 
 #include "lanes.h"
 
@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  /* For NaN: the first operand, as in SSE2. */
+  /* Return the first operand if an operand is NaN, as in SSE2. */
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 
@@ -58,13 +58,13 @@ namespace cvert { inline namespace CVERT_ISA
     return { half(0),half(1) };
   }
 
-  /*! Rounds towards zero. INT32_MIN if out of range, as in SSE2. */
+  /*! NEON's conversion to 32 bits would saturate, and return 0 for NaN. */
   inline Int4 toInt(Double4 a)
   {
     auto half = [&](int i) {
       const int64x2_t whole = vcvtq_s64_f64(a.v[i]);
       const uint64x2_t fits = vandq_u64(vceqq_s64(whole,vmovl_s32(vmovn_s64(whole))),
-        vceqq_f64(a.v[i],a.v[i])); // not NaN
+        vceqq_f64(a.v[i],a.v[i])); // false for NaN
       return vmovn_s64(vbslq_s64(fits,whole,vdupq_n_s64(INT32_MIN)));
     };
     return vcombine_s32(half(0),half(1));

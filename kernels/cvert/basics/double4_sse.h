@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* double4_avx.h in two SSE2 registers. */
+/* The functions of double4_avx.h in two SSE2 registers, for processors without AVX. */
 
 #include "lanes.h"
 

@@ -4,11 +4,12 @@
 #pragma once
 
 /* Vectors of four floats or integers, for encoders. Operations round as scalar ones do, so that blocks have the same
- * bytes on every instruction set. Requires -ffp-contract=off. CVERT_PORTABLE disables SSE and NEON. */
+ * bytes on every instruction set. Requires -ffp-contract=off. CVERT_PORTABLE selects plain C++ instead of SSE and NEON.
+ * lanes_sse.h documents the functions. */
 
 #if defined(CVERT_PORTABLE)
 #include "lanes_portable.h"
-#elif defined(__aarch64__) // first: Embree defines SSE2 there, too
+#elif defined(__aarch64__) // tested first, because Embree defines macros of SSE2 on ARM64, too
 #include "lanes_neon.h"
 #elif defined(__SSE2__)
 #include "lanes_sse.h"
@@ -18,7 +19,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns vertex i in lanes 0 to 2; lane 3 is undefined. count: number of vertices; reads nothing past the last. */
+  /*! Returns vertex i in lanes 0 to 2; lane 3 is undefined. count: number of vertices. Reads nothing after the last
+   *  one. */
   inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
     return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
   }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* lanes_sse.h in NEON registers, with the same results, also for NaN and floats beyond the range of integers. */
+/* The functions of lanes_sse.h in NEON registers, with the same results, also for NaN and for floats beyond the range
+ * of integers. */
 
 #include "language.h"
 #include <arm_neon.h>
@@ -29,7 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return vmulq_f32(a.v,b.v); }
   };
 
-  /*! lanes have all bits set or none */
+  /*! In each lane, all bits are set or none. */
   struct FloatMask4 { uint32x4_t v; };
 
   inline FloatMask4 below(Float4 a, Float4 b) { return { vcltq_f32(a.v,b.v) }; }
@@ -38,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 select(FloatMask4 mask, Float4 a, Float4 b) { return vbslq_f32(mask.v,a.v,b.v); }
 
-  /* For NaN: the first operand, as std::min and std::max. NEON's instructions return NaN. */
+  /* Return the first operand if an operand is NaN, as std::min and std::max do. NEON's instructions return NaN. */
   inline Float4 min(Float4 a, Float4 b) { return select(below(b,a),b,a); }
   inline Float4 max(Float4 a, Float4 b) { return select(below(a,b),b,a); }
 
@@ -75,7 +76,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator&(Int4 a, Int4 b) { return vandq_s32(a.v,b.v); }
     friend Int4 operator^(Int4 a, Int4 b) { return veorq_s32(a.v,b.v); }
 
-    /* A shift by 32 returns 0. */
+    /* A shift by 32 returns 0, as in SSE2. Right shifts fill with zeros. */
     friend Int4 operator<<(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(n)); }
     friend Int4 operator>>(Int4 a, int n) {
       return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n)));

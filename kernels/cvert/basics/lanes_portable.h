@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* lanes_sse.h in plain C++, with the same results. */
+/* The functions of lanes_sse.h in plain C++, with the same results: for other processors, and for tests that compare
+ * the bytes of blocks. */
 
 #include "language.h"
 #include <cmath>
@@ -113,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
     return Int4::of([&](int i) { return std::fabs(a.v[i]) < 2147483648.0f ? int32_t(a.v[i]) : INT32_MIN; });
   }
 
-  /* Requires the default rounding mode. */
+  /* std::nearbyint rounds to nearest, halves to even, if the program keeps the default rounding mode. */
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
   inline Int4 rounded(Float4 a) { return Int4::of([&](int i) { return rounded(a.v[i]); }); }
 

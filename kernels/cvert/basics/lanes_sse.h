@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four floats or integers in an SSE2 register. */
+/* Four floats or integers in an SSE2 register: the reference for the other variants of lanes.h. */
 
 #include "language.h"
 #include <immintrin.h>
@@ -28,12 +28,13 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return _mm_mul_ps(a.v,b.v); }
   };
 
-  /* For NaN: the first operand, as std::min and std::max. */
+  /* Return the first operand if an operand is NaN, as std::min and std::max do. */
   inline Float4 min(Float4 a, Float4 b) { return _mm_min_ps(b.v,a.v); }
   inline Float4 max(Float4 a, Float4 b) { return _mm_max_ps(b.v,a.v); }
 
   inline Float4 abs(Float4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f),a.v); }
 
+  /*! Mask of the lanes in which a is less than b. */
   inline Float4 below(Float4 a, Float4 b) { return _mm_cmplt_ps(a.v,b.v); }
   inline Float4 operator&(Float4 mask, Float4 a) { return _mm_and_ps(mask.v,a.v); }
   inline Float4 select(Float4 mask, Float4 a, Float4 b) {
@@ -45,7 +46,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtss_f32(_mm_max_ss(m,_mm_shuffle_ps(m,m,1)));
   }
 
-  /* One bit per lane. */
+  /* Return a bit per lane; bit i is lane i. */
   inline uint32_t lanesLess(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
@@ -66,13 +67,14 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator|(Int4 a, Int4 b) { return _mm_or_si128(a.v,b.v); }
     friend Int4 operator&(Int4 a, Int4 b) { return _mm_and_si128(a.v,b.v); }
     friend Int4 operator^(Int4 a, Int4 b) { return _mm_xor_si128(a.v,b.v); }
+    /* A shift by 32 returns 0. Right shifts fill with zeros; shiftArithmetic fills with the sign. */
     friend Int4 operator<<(Int4 a, int n) { return _mm_slli_epi32(a.v,n); }
     friend Int4 operator>>(Int4 a, int n) { return _mm_srli_epi32(a.v,n); }
   };
 
   inline Int4 shiftArithmetic(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
 
-  /*! lower 32 bits of each product */
+  /*! Returns the lower 32 bits of each product. */
   inline Int4 operator*(Int4 a, Int4 b) {
 #if defined(__SSE4_1__)
     return _mm_mullo_epi32(a.v,b.v);
@@ -94,6 +96,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 max(Int4 a, Int4 b) { return select(below(a,b),b,a); }
 #endif
 
+  /*! Combines all lanes by an operation that is associative and commutative. */
   template<typename Operation>
   inline int reduced(Int4 a, const Operation& operation) {
     const Int4 halves = operation(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
@@ -103,18 +106,18 @@ namespace cvert { inline namespace CVERT_ISA
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
   inline int reduceOr(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
-  /*! Requires lanes below 256. */
+  /*! Requires lanes from 0 to 255. */
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
 
-  /*! Rounds towards zero. INT32_MIN if out of range. */
+  /*! Rounds towards zero. Returns INT32_MIN for NaN and numbers out of range. */
   inline Int4 truncated(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
-  /*! To nearest, halves to even. Magnitudes must be less than 2^31. */
+  /*! Rounds to nearest, halves to even. Magnitudes must be less than 2^31. */
   inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
-  /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+  /*! Splits four vertices that follow each other in memory by axis. a, b, c: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices

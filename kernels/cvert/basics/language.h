@@ -16,11 +16,13 @@
  *   CVERT_CONSTANT                before a constant
  *   CVERT_REAL                    before a function or struct that uses Real
  *   CVERT_OF(Type)                a struct that was declared with CVERT_REAL, with the same Real
- *   CVERT_BOOL(Type)              result type of comparisons of Type
+ *   CVERT_BOOL(Type)              result type of comparisons of Type: bool or a mask
  *   CVERT_AS_FLOAT(Function)      a function or struct that was declared with CVERT_REAL, with Real = float
  *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles. It is
  *                                 float in shaders without CBVH_FLOAT64, which compute exact signs with integers
- *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide */
+ *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide
+ *   CVERT_INLINE                  instead of CBVH_FUNCTION: C++ compilers must inline the function
+ *   CVERT_LIKELY(condition)       hint that a condition is usually true */
 
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
@@ -97,7 +99,7 @@ CVERT_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0
 CVERT_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
 /* both, either: logical operators that also work on vectors of truth values.
- * product: a product that the compiler never fuses with a sum. */
+ * product: a product that the compiler never fuses with a sum into one instruction, which would round differently. */
 #ifdef VULKAN
 bool both (bool a, bool b) { return a && b; }
 bool either (bool a, bool b) { return a || b; }
@@ -137,7 +139,7 @@ CVERT_INLINE float product (float a, float b) { return unfused(a*b); }
 CVERT_INLINE double product (double a, double b) { return unfused(a*b); }
 #endif
 
-/*! Distance between neighboring floats, relative to their magnitude, is at most this: 2^-23. */
+/*! 2^-23, the largest distance between neighboring floats, relative to their magnitude (unit in the last place). */
 CVERT_CONSTANT float floatUlp = 1.1920929e-7f;
 
 CVERT_END

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Reasons for rejecting input. Functions that check bytes return a Reason; they neither allocate nor throw. Functions
- * on files throw an Error. Callers convert both to errors of their interface. */
+ * on files throw an Error. The libraries convert both to errors of their own API. */
 
 #include <cstdint>
 #include <stdexcept>
@@ -21,12 +21,13 @@ namespace cvert
     INVALID_OPERATION  //!< wrong state, or disk full
   };
 
+  /*! Why bytes are rejected. Converts to true if there is a reason, to false if the bytes are valid. */
   class Reason
   {
   public:
     Reason () : code(ErrorCode::NONE), text(""), values{ 0,0 } {}
 
-    /*! text: static string, not copied. Each % is replaced by the next value. */
+    /*! text: static string, not copied. message() replaces the first two % by the values. */
     Reason (ErrorCode code, const char* text, uint64_t first = 0, uint64_t second = 0)
       : code(code), text(text), values{ first,second } {}
 
@@ -48,6 +49,7 @@ namespace cvert
     uint64_t values[2];
   };
 
+  /*! Thrown by functions that open, read or write files. */
   class Error : public std::runtime_error
   {
   public:

@@ -3,6 +3,7 @@
 
 #pragma once
 
+/* Four vertices at a time, for encoders. */
 
 #include "lanes.h"
 #include "world.h"
@@ -16,10 +17,11 @@ namespace cvert { inline namespace CVERT_ISA
 
     Vertices4(Float4 x, Float4 y, Float4 z) : x(x), y(y), z(z) {}
 
+    /*! Loads p[0] to p[3]. */
     explicit Vertices4(const float (*p)[3])
       : Vertices4(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8),true) {}
 
-    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. The bool only selects this constructor. */
     Vertices4(Float4 a, Float4 b, Float4 c, bool)
     {
       transpose(a,b,c,x,y,z);
@@ -32,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 dot(const Vertices4& a, const Vertices4& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
   };
 
-  /*! False if a vertex is not finite; bounds are then undefined. */
+  /*! Computes the bounds of vertices. Returns false if a vertex is not finite (isFinite); bounds are then undefined. */
   inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
   {
     Float4 low = maxCoordinate, high = -maxCoordinate;

@@ -10,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Coordinates of at least this magnitude count as not finite, as in Embree (FLT_LARGE). */
+  /*! Coordinates of at least this magnitude count as not finite, as in Embree (FLT_LARGE): areas would overflow. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
@@ -32,10 +32,9 @@ namespace cvert { inline namespace CVERT_ISA
     return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x};
   }
   inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
-  /*! Sum of the magnitudes of the coordinates. */
   inline double norm1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
-  /*! A box. The constructor creates an empty one. */
+  /*! An axis-aligned box, initially empty. */
   struct WorldBounds
   {
     double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };

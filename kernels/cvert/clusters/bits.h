@@ -3,14 +3,15 @@
 
 #pragma once
 
-/* Writes bit fields into zeroed bytes, in any order, lowest bit first. */
+/* Writes bit fields into zeroed bytes, in any order, lowest bit first. For blocks of DGF, which are filled from both
+ * ends. */
 
 #include "../basics/bits.h"
 #include <cstddef>
 
 namespace cvert
 {
-  /*! position: offset in bits. The bits there must be zero. */
+  /*! position: offset in bits. The `count` bits there must be zero. Higher bits of `value` are ignored. */
   inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
   {
     bytes += position/8;
@@ -18,6 +19,7 @@ namespace cvert
       *bytes++ |= uint8_t(rest);
   }
 
+  /*! Writes a word in little-endian order. */
   inline void putWord (uint8_t* bytes, uint32_t word) {
     for (int i=0; i<4; i++) bytes[i] = uint8_t(word >> 8*i);
   }

@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, then offsets from its anchor without gaps.
+/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, the input format of DirectX for clusters of triangles: a header of 12
+ * bytes, then offsets from its anchor without gaps. Applications pass stored surfaces to a GPU's builder in this
+ * format.
  *
  * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With
  * exponent 232 it requires finite vertices: anchor plus offset within +-8,388,607. This holds here, because vertices
@@ -31,6 +33,6 @@ namespace cvert
     return (position + 31)/32*4;
   }
 
-  /*! Upper bound. */
+  /*! Upper bound of the size of `count` vertices: header, 3 x 16 bits per vertex, padding. */
   constexpr size_t compressed1Bytes (size_t count) { return 12 + 6*count + 4; }
 }

@@ -26,7 +26,8 @@ namespace cvert
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! Per axis. Returns their sum, a multiple of 4. */
+    /*! bits: receives the bits per axis of a vertex's offset. Returns their sum, which DGF requires to be a multiple of
+     *  4. */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -35,9 +36,11 @@ namespace cvert
       return bits[0]+bits[1]+bits[2];
     }
 
+    /*! Bits of an index, 3 to 6. highest: largest index of a reused vertex. */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
 
-    /*! reused: indices of the strip that refer to earlier vertices */
+    /*! True if a block has room. vertexBits: bits per vertex. indices: of the strip. reused: those of them that refer
+     *  to earlier vertices. */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
                          uint32_t bitsOfIndex)
     {
@@ -47,7 +50,7 @@ namespace cvert
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! For a grid of quads as one strip, which uses each inner vertex twice. */
+    /*! True if a block has room for a grid of quads as one strip, which uses each inner vertex twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
@@ -56,7 +59,8 @@ namespace cvert
         hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
     }
 
-    /*! A strip as a block. Triangles are rotated to begin with the shared edge. */
+    /*! A block with one strip or several. Triangles are rotated so that they begin with the edge that they share with
+     *  the triangle before. */
     class Block
     {
     public:
@@ -65,7 +69,7 @@ namespace cvert
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! primitives: index of the first triangle. Returns false if there is no room. */
+      /*! Encodes a cluster. primitives: primitive number of its first triangle. Returns false if there is no room. */
       bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
       {
         if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
@@ -106,7 +110,7 @@ namespace cvert
       bool isFirst[3*maxTriangles];
       uint8_t reused[3*maxTriangles];
 
-      /*! False if the triangle lacks edge (a,b). */
+      /*! Rotates a triangle to begin with edge (a,b). Returns false if it does not contain this edge. */
       static bool rotateTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)

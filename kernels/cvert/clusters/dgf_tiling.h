@@ -15,7 +15,7 @@ namespace cvert
     class Tiling
     {
     public:
-      /*! quadsX, quadsY: up to 16 */
+      /*! points: must outlive this object. quadsX, quadsY: up to 16. Dynamic programming over the rows. */
       Tiling (const LatticePoints& points, uint32_t quadsX, uint32_t quadsY)
         : points(points), quadsX(quadsX), quadsY(quadsY)
       {
@@ -41,6 +41,7 @@ namespace cvert
 
       bool isPossible; //!< false if a quad is too large for a block
 
+      /*! Calls closure(x,y,width,height) for each piece, in quads. Requires isPossible. */
       template<typename Closure>
       void forEach (const Closure& closure) const
       {
@@ -56,6 +57,7 @@ namespace cvert
       }
 
     private:
+      /*! Bounds of the columns of vertices of a band. */
       struct Columns
       {
         LatticeSpan spans[LatticePoints::maxSide];
@@ -71,7 +73,8 @@ namespace cvert
         }
       };
 
-      /*! False if a column is too large. */
+      /*! Calls closure(x,width) for the pieces of a band of `height` rows. Returns false if a column of quads does not
+       *  fit into a block. */
       template<typename Closure>
       bool forEachPiece (const Columns& columns, uint32_t height, const Closure& closure) const
       {
@@ -92,7 +95,7 @@ namespace cvert
 
       const LatticePoints& points;
       const uint32_t quadsX, quadsY;
-      //! by row: blocks of all rows before it, and height of the last band before it
+      //! by row: least number of blocks for all rows before it, and height of the last band before it
       uint32_t blocks[LatticePoints::maxSide], heights[LatticePoints::maxSide];
     };
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices as integers on the coarsest lattice that contains them. A float is an odd number times a power of two; the
- * smallest of these powers is the spacing, so nothing is rounded.
+/* Vertices as integers on the coarsest lattice that contains them, for the formats of clusters. A float is an odd
+ * number times a power of two. The smallest of these powers is the spacing, so nothing is rounded.
  *
  * COMPRESSED1 and DGF store signed integers of 24 bits plus an offset of up to 16 bits, and spacings from 2^-126 to
  * 2^105. */
@@ -26,7 +26,8 @@ namespace cvert
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
-    /*! stride: vertices per row. Returns false if vertices cannot be such integers. */
+    /*! Converts columns x rows vertices. stride: vertices per row of the input. Returns false if the formats cannot
+     *  represent the vertices without rounding. */
     bool place (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
@@ -55,6 +56,7 @@ namespace cvert
   private:
     static const int minExponent = -126, maxExponent = 105;
 
+    /*! x = mantissa * 2^exponent, if x is finite. */
     struct Parts
     {
       bool isNegative;
@@ -91,6 +93,7 @@ namespace cvert
     }
   };
 
+  /*! Bounds of points, initially empty. */
   struct LatticeSpan
   {
     int32_t lower[3], upper[3];
@@ -109,7 +112,7 @@ namespace cvert
 
     bool isEmpty () const { return lower[0] > upper[0]; }
 
-    /*! For an anchor of 24 bits and offsets of 16 bits. */
+    /*! True if an anchor of 24 bits and offsets of 16 bits can represent all points. */
     bool fits () const
     {
       for (int k=0; k<3; k++)
@@ -117,7 +120,7 @@ namespace cvert
       return true;
     }
 
-    /*! Bits of offsets, 1 to 16. */
+    /*! Bits of offsets on axis k, 1 to 16. */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -3,7 +3,9 @@
 
 #pragma once
 
-/* Triangles of a rectangle of quads. Neighboring vertices at the same point, as at stitched edges, become one. */
+/* Triangles of a rectangle of quads of a decoded part of a surface, as clusters contain them. Neighboring vertices at
+ * the same point, as at stitched edges, become one. Triangles without area or with vertices that are not finite are
+ * left out. */
 
 #include <cstddef>
 #include <cstdint>
@@ -23,13 +25,14 @@ namespace cvert
     static const uint32_t maxVertices = 81, maxTriangles = 128;
 
     uint32_t numVertices, numTriangles;
-    uint32_t vertices[maxVertices];             //!< in the rectangle, row by row
+    uint32_t vertices[maxVertices];             //!< indices of vertices in the rectangle, row by row
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
-    uint32_t triangles[maxTriangles];           //!< in the part: 2 (quads per row * y + x), plus 1 if second
+    uint32_t triangles[maxTriangles];           //!< numbers of triangles in the part: 2 (quads per row * y + x), plus 1
+                                                //!< for the second triangle of a quad
     bool isWhole;                               //!< no vertex or triangle is missing
 
-    /*! points: the part's vertices, in rows of `stride`. isStrip: alternates the direction of rows, so that consecutive
-     *  triangles share an edge. */
+    /*! points: the part's vertices, in rows of `stride`, which must outlive this object. rectangle: in quads of the
+     *  part. isStrip: alternates the direction of rows, so that consecutive triangles share an edge. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& rectangle, bool isStrip)
       : numVertices(0), numTriangles(0), points(points + 3*(size_t(rectangle.y)*stride + rectangle.x)), stride(stride),
         width(rectangle.width+1)

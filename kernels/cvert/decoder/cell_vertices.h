@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Decodes single vertices of a cVERT block: residuals, coordinates, and positions in world space. Scalar code, shared
+ * by CPUs (decoded_block.h) and GPUs. */
 
 #ifndef CVERT_CELL_VERTICES_H
 #define CVERT_CELL_VERTICES_H
@@ -10,11 +12,11 @@
 
 CVERT_BEGIN
 
-/*! Cell of a step that is not raw. */
+/*! A cell (format/cell.h) of a step that is not raw, ready to decode. */
 struct CodedCell
 {
   uint32_t word;
-  uint32_t fields;           //!< offset of the fields, relative to StepView::data
+  uint32_t fields;           //!< byte offset of the fields, relative to StepView::data
   Int3 c00, c10, c01, c11;   //!< coordinates of the cell's corners
   int distance;              //!< distance of neighboring vertices, in quads
   int quadsX, quadsY;        //!< quads per side of the cell
@@ -42,7 +44,7 @@ CBVH_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
   return cell;
 }
 
-/*! c00 to c11: the group's corners, vertices of the first cell. fields: fieldsOfGroup. */
+/*! c00 to c11: coordinates of the group's corners, which are vertices of the first cell. fields: fieldsOfGroup. */
 CBVH_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
                                       uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
@@ -65,7 +67,7 @@ CBVH_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, i
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
-/*! By axis. word, fields: as in CodedCell. */
+/*! Decodes a residual. Its components are sorted by axis. word, fields: as in CodedCell. */
 CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
@@ -101,7 +103,7 @@ CBVH_FUNCTION Int3 rotatedByStep (CVERT_IN(StepView) step, Int3 r)
 
 /* --- coordinates ----------------------------------------------------------------------- */
 
-/*! Predictions of a row: (start + weight slope) >> 8, equal to cellPrediction. */
+/*! Predictions of a row of vertices. (start + weight*slope) >> 8 equals cellPrediction, with fewer operations. */
 struct CellRow { Int3 start, slope; };
 
 CBVH_FUNCTION int weightInCell (int i, int distance, int quads) {
@@ -117,7 +119,7 @@ CBVH_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
   return row;
 }
 
-/*! Vertex i of row j. data: of the step. */
+/*! Coordinates of vertex i of row j, without the rotated residual of moving blocks. data: StepView::data. */
 CBVH_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
@@ -133,7 +135,7 @@ CBVH_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) c
 
 /* --- the world ------------------------------------------------------------------------- */
 
-/*! Index in the block, row by row, of vertex i, j of a group. Smaller groups repeat their last vertices. */
+/*! Index in the block, row by row, of vertex i, j (0 to 4) of a group. Smaller groups repeat their last vertices. */
 CBVH_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;

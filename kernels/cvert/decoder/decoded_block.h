@@ -3,13 +3,14 @@
 
 #pragma once
 
+/* Decodes all vertices of a cVERT block: the reference for the kernels' SIMD decoders. */
 
 #include "cell_vertices.h"
 #include "group_planes.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Scalar decoder of a block's vertices at a time step, which SIMD decoders must equal. The block must be valid
+  /*! Vertices of a block at a time step. SIMD decoders must return the same floats. The block must be valid
    *  (validateVert) and outlive this object. */
   class DecodedBlock
   {
@@ -30,7 +31,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-    /*! False if no vertex is finite. */
+    /*! Computes the bounds of the finite vertices. Returns false if there are none. */
     bool bounds(float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
@@ -46,8 +47,8 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! In world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the origin.
-     *  form, margins: of the segment that begins or ends with this step. */
+    /*! Box of group g in world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative
+     *  to the origin. form, margins: boxForm and margins of the segment that begins or ends with this step. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
     }
@@ -68,6 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
     const uint8_t* end = nullptr;
 
   private:
+    /*! A cell of the first step, whose rotated residuals the current step adds to its own. */
     struct FirstFields
     {
       bool isRotated;
@@ -118,7 +120,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! In the first cell, for corner c of a group. */
+    /*! Vertex of the first cell that is corner c of a group. */
     uint32_t cornerOfGroup(uint32_t g, uint32_t c) const {
       return 5*(g/layout.groupsX + (c >> 1)) + g % layout.groupsX + (c & 1);
     }

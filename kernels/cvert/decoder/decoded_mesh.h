@@ -3,6 +3,7 @@
 
 #pragma once
 
+/* Decodes all triangles of a mesh block or of a group: the reference for the kernels' SIMD decoders. */
 
 #include "mesh_step_view.h"
 
@@ -63,14 +64,15 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Scalar decoder of a mesh block, which SIMD decoders must equal. The block must be valid (validateMesh). */
+  /*! Vertices and triangles of a mesh block at a time step. SIMD decoders must return the same floats. The block must
+   *  be valid (validateMesh). */
   class DecodedMesh
   {
   public:
     uint32_t numVertices, numTriangles, numGroups;
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices
-    uint32_t numbers[maxMeshTriangles];
+    uint32_t numbers[maxMeshTriangles];              //!< see MeshView::number
     uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then their total
 
     /*! step: below the number of time steps. */

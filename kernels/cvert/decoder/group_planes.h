@@ -1,6 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Decodes the boxes of a cVERT block's groups, shared by CPUs and GPUs. */
 
 #ifndef CVERT_GROUP_PLANES_H
 #define CVERT_GROUP_PLANES_H
@@ -10,11 +11,12 @@
 
 CVERT_BEGIN
 
-/*! In world space. On the sheared axis they bound the sheared coordinate times the spacing, relative to the origin. */
+/*! Planes of a box on an axis, in world space. On the sheared axis they bound the sheared coordinate times the spacing,
+ *  relative to the origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Box of a group's corners, enlarged by margins. Requires a step that is not raw. form: boxForm of the segment that
- *  begins or ends with the step. margins: byte for the axis. */
+/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. form: boxForm of
+ *  the segment that begins or ends with the step. margins: the group's byte for the axis. */
 CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {
@@ -38,7 +40,7 @@ CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, I
   return planes;
 }
 
-/*! Requires a raw block. offsets: its layout. */
+/*! Planes of group g of a raw block. offsets: vertLayout of the block. */
 CBVH_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
                                            int axis)
 {

@@ -17,8 +17,8 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshView& first;
     const MeshStep* const step;
     const MeshStepLayout layout;
-    uint32_t fieldBits[maxMeshGroups][3];
-    uint32_t fieldBegin[maxMeshGroups+1]; //!< of a group's fields, relative to the section
+    uint32_t fieldBits[maxMeshGroups][3]; //!< bits per axis of a group's fields
+    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of a group's fields, relative to the section
 
     /*! step: from 1 on. */
     MeshStepView (const MeshView& first, uint32_t step) : MeshStepView(first,meshStepOf(first.block,step)) {}
@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Size of the step. */
+    /*! Size of the step in bytes, a multiple of 4. */
     uint32_t bytes () const { return (layout.fields + (fieldBegin[first.groups]+7)/8 + 3) & ~3u; }
 
     /*! Decodes a vertex. v: number in the block. */
@@ -52,7 +52,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Decodes the box of a group. */
+    /*! Decodes the box of a group in world space. Boxes of later steps are not sheared. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)

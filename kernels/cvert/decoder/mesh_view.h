@@ -9,7 +9,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! bitsAt with 0 in all other bits. */
+  /*! bitsAt with all higher bits 0. */
   inline uint32_t meshBitsAt (const uint8_t* data, uint32_t begin, uint32_t count) {
     return count == 0 ? 0 : bitsAt(data,begin,count) & (0xFFFFFFFFu >> (32-count));
   }
@@ -21,13 +21,14 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    //! of each group in the block, then the total
+    //! index in the block of each group's first triangle, then the number of triangles
     uint32_t firstTriangle[maxMeshGroups+1];
-    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for vertices that belong to groups
+    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for the vertices that belong to the groups
     uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of each group, relative to `topology`
-    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of its fields, relative to `vertices`
-    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit, relative to `numbers`
-    uint32_t fieldBits[maxMeshGroups][3];    //!< per axis
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of each group's fields, relative to `vertices`
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of each group's numbers, relative to `numbers`
+    uint32_t fieldBits[maxMeshGroups][3];    //!< bits of a field per axis
+    //! sections of the block
     const uint8_t* topology, * vertices, * numbers;
 
     /*! Reads only the header, records and boxes. */
@@ -53,6 +54,7 @@ namespace cvert { inline namespace CVERT_ISA
       numbers = vertices + (vertexBegin[groups]+7)/8;
     }
 
+    /*! Size in bytes, a multiple of 4, without later time steps. */
     uint32_t bytes () const {
       return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u;
     }
@@ -79,7 +81,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
 
-    /*! See primitiveOfMesh. */
+    /*! Number of triangle t of group g, for primitiveOfMesh. */
     uint32_t number (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -89,7 +91,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! On the sheared axis, bounds the sheared coordinate times the spacing, relative to the origin. */
+    /*! Decodes the box of a group in world space. On the sheared axis it bounds the sheared coordinate times the
+     *  spacing, relative to the origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -103,7 +106,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
         const bool sheared = isSheared() && k == meshShearedAxis(block->form);
         const float spacing = meshSpacing(block->spacings,k), origin = sheared ? 0.0f : block->origin[k];
-        // shearing rounds coordinates
+        // meshShear rounds: a sheared coordinate may be 1/2 lower
         lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing;
         upper[k] = origin + float(end)*spacing;
       }

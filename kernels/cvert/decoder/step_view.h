@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A time step, independent of the different offsets of first and later steps. */
+/* A time step of a cVERT block. Hides that first and later steps have different headers and offsets. A static block has
+ * one step. */
 
 #ifndef CVERT_STEP_VIEW_H
 #define CVERT_STEP_VIEW_H
@@ -25,7 +26,7 @@ struct StepView
   uint32_t margins, words, wordsHigh, cell, vertices; //!< relative to data, as in VertLayout
 };
 
-/*! Sets `spacing` and `remainders`. remainders: offset of their word. */
+/*! Returns the step with `spacing` and `remainders` set. remainders: byte offset of the word of remainders. */
 CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
@@ -56,7 +57,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withScales(step,offsets.remainders);
 }
 
-/*! number: at least 1 */
+/*! number: of the step, 1 to the number of steps minus 1. */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);
@@ -80,7 +81,7 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   return withScales(step,offsets.remainders);
 }
 
-/*! number: less than the number of steps; 0 unless the block moves */
+/*! number: less than the number of steps; 0 unless the block moves. offsets: vertLayout of the block. */
 CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t number)
 {
   if (number == 0u) return viewOfFirstStep(block,offsets);
@@ -95,7 +96,7 @@ CBVH_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHighBits,g);
 }
 
-/*! Offset relative to data. */
+/*! Byte offset of the fields of group g, relative to data. */
 CBVH_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return endOfFields(step.data,step.cell,step.word,step.words,g);
 }
@@ -106,13 +107,15 @@ CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
+/*! Bounds at the step in the shear of the segment that begins with it. */
 CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
 }
 
-/*! form: boxForm of the step at the segment's beginning. */
+/*! Bounds at the step in the shear of the segment that ends with it. form: boxForm of the step at the segment's
+ *  beginning. */
 CBVH_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.rotation),step.spacing);
 }

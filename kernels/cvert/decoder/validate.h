@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* Validates bytes of a possible cVERT block: sizes, numbers of bits and offsets. Other fields may have any value. */
+/* Validates bytes that may be a cVERT block, for example from a file: sizes, numbers of bits and offsets. Decoders do
+ * not check these. Other fields may have any value. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! For corners of a patch, in halves. Faces with four corners begin at 0. Embree places sub-patches of other faces
-   *  from 1/2 on, two units apart, up to 4 in a row. */
+  /*! True if a patch may begin at these face parameters, in halves. Faces with four corners begin at 0. Embree places
+   *  sub-patches of other faces from 1/2 on, two units apart, up to 4 in a row. */
   inline bool isPatchCorner(uint32_t u, uint32_t v) {
     return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
   }
@@ -56,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! word: word of a cell, or boxForm */
+    /*! Checks the main axis and the slopes. word: word of a cell, or boxForm. */
     static bool isForm(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -70,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
       return isForm(word) ? Reason() : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
-    /*! end: receives the end of the step */
+    /*! end: receives the end of the step, in bytes from the start of the block. */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
@@ -191,7 +192,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! end: before the table */
+    /*! end: end of all sections before the table. */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
       const uint32_t form = header.patchQuads;
@@ -245,7 +246,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Returns the first error in the cVERT block at data, aligned to 4 bytes, of at most `bytes` bytes. Decoders of
-   *  valid blocks read only the block and readPastVert bytes after it. */
+  /*! Returns the first error in the cVERT block at `data`, which must be aligned to 4 bytes. bytes: number of readable
+   *  bytes; the block may be shorter. Decoders of valid blocks read only the block and readPastVert bytes after it. */
   inline Reason validateVert(const void* data, size_t bytes) { return VertValidation::validate(data,bytes); }
 }}

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Validates bytes of a possible mesh block: counts, sizes and indices. Vertices and numbers may have any value. */
+/* Validates bytes that may be a mesh block, for example from a file: counts, sizes and indices. Decoders do not check
+ * these. Vertices and numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "mesh_step_view.h"
@@ -131,7 +132,7 @@ namespace cvert { inline namespace CVERT_ISA
         : Reason::damaged("its header counts % bytes: its time steps end at %",bytes,end);
     }
 
-    /*! end: set to the size of the step. */
+    /*! end: receives the size of the step. */
     static Reason validateStep (const MeshView& view, const MeshStep& step, size_t bytes, size_t& end)
     {
       for (uint32_t k=0; k<3; k++)
@@ -202,7 +203,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Returns the first error in the mesh block at data, aligned to 4 bytes, of at most `bytes` bytes. Decoders of valid
-   *  blocks read only the block and readPastVert bytes after it. */
+  /*! Returns the first error in the mesh block at `data`, which must be aligned to 4 bytes. bytes: number of readable
+   *  bytes; the block may be shorter. Decoders of valid blocks read only the block and readPastVert bytes after it. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The affine map that moves a mesh block's vertices from the first time step to a later one with the least sum of
- * squared distances. format/mesh_motion.h stores it. Products and sums are not fused, so that all instruction sets
- * encode the same bytes. */
+/* Fits the affine map that predicts a mesh block's vertices at a later time step from the first one, with the least sum
+ * of squared distances. Moving mesh blocks store it (format/mesh_motion.h). Products and sums are not fused, so that
+ * all instruction sets encode the same bytes. */
 
 #include "../format/mesh_block.h"
 #include <cmath>
@@ -40,7 +40,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! later: the same vertices at a later step. map: written, as in MeshStep; entries are normal floats or 0. */
+    /*! later: the same vertices at a later step. map: receives MeshStep::map; its entries are normal floats or 0. */
     void fit (const float (*later)[3], float map[3][4]) const
     {
       double to[3], s[3][3];

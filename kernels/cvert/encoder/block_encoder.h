@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of a cVERT block, see format/block.h. Callers may snap vertices to lattices first (lattice.h). */
+/* Lossless encoder of a static cVERT block, see format/block.h, and base of motion_encoder.h. Callers may snap vertices
+ * to lattices first (lattice.h), which makes blocks smaller. */
 
 #include "box_encoder.h"
 
@@ -11,12 +12,12 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct VertStatistics
   {
-    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
-    uint32_t fieldBytes = 0;
-    bool raw = false;
+    uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
+    uint32_t fieldBytes = 0;    //!< bytes of the cells' fields and of remainders
+    bool raw = false;           //!< the block is raw, or a step of a moving block
   };
 
-  /*! Position in the patch, and what the block stores of it. */
+  /*! Size of the block, position in its patch, and parameters or numbers of its quads. */
   struct VertPlacement
   {
     uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
@@ -35,6 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
   };
 
+  /*! Set `vertices`, then call encode(). An object can encode any number of blocks, by one thread at a time. */
   class VertEncoder : public BlockVertices
   {
   public:
@@ -42,7 +44,8 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-    /*! Encodes `vertices`. Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite. */
+    /*! Encodes `vertices`. block: at least maxBytes. Returns the size in bytes, a multiple of 4, or 0 if no vertex is
+     *  finite. The caller sets VertHeader::surface and primID. */
     size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
     {
       setSize(at.region);
@@ -122,17 +125,17 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     VertLayout layout;
-    uint8_t* end;
+    uint8_t* end;             //!< end of the written bytes
     CellEncoder cell;
     BoxEncoder boxes;
     uint32_t residualBits[3]; //!< bits per axis, summed over groups
 
   private:
-    /*! Residuals of blocks with remainders keep about this many bits; their other bits become remainders. This saves
-     *  bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
+    /*! Residuals of blocks with remainders keep about this many bits per axis; their other bits become remainders. This
+     *  saves bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
     static const int noiseBits = 5;
 
-    /*! bits: receives the bits per axis that can move from residuals to remainders. False if there are none. */
+    /*! bits: receives the bits per axis that can move from residuals to remainders. Returns false if there are none. */
     bool findMovableBits (int bits[3]) const
     {
       bool any = false;
@@ -144,6 +147,8 @@ namespace cvert { inline namespace CVERT_ISA
       return any;
     }
 
+    /*! Clears the sections before the first cell's fields, and writes the header except for what depends on
+     *  vertices. */
     VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
     {
       layout = vertLayout(at.region,form);

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cVERT block at a time, as coordinates and remainders of format/block.h.
+/* Vertices of a cVERT block at a time step, converted to coordinates and remainders of format/block.h. Encoders call
+ * bound(), measure() and place(), in this order.
  *
  * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least a lattice's
  * spacing, or the last bit of a float. If the block's spacing, also a power of two, is larger than the step, vertices
@@ -26,10 +27,10 @@ namespace cvert { inline namespace CVERT_ISA
     static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to vectors of four
 
     float vertices[maxVertices][3]; //!< row by row
-    float lower[3], upper[3];       //!< of finite vertices; lower is infinity without any
+    float lower[3], upper[3];       //!< bounds of the finite vertices; lower is infinity if there are none
     bool allFinite;
 
-    uint32_t quads[2], width;
+    uint32_t quads[2], width;        //!< quads along u and v; vertices per row
     int exponent[3];                 //!< exponents of the spacings
     uint32_t remainderBits[3];
     float origin[3];
@@ -42,6 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
     const float* vertexAt (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
     bool anyFinite () const { return lower[0] <= upper[0]; }
 
+    /*! Sets bounds and allFinite. */
     void bound ()
     {
       allFinite = boundVertices(vertices,numVertices(),lower,upper);
@@ -79,7 +81,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      // all vertices are 0: no step
+      // min: if all vertices are 0 on an axis, any power of two divides them
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }
@@ -92,6 +94,7 @@ namespace cvert { inline namespace CVERT_ISA
       return setRemainders();
     }
 
+    /*! Computes origin, coordinates and remainders for the current spacings. */
     void place ()
     {
       for (int k=0; k<3; k++) {
@@ -111,7 +114,8 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) placeWithRemainders(k);
     }
 
-    /*! Padded with the cell's last vertex. */
+    /*! Copies an axis of a cell's 5 x 5 vertices, padded with the last one. step: quads between them. Repeats the last
+     *  column and row of the block in cells that extend beyond it. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)
@@ -130,11 +134,12 @@ namespace cvert { inline namespace CVERT_ISA
         for (int k=0; k<3; k++) out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN;
     }
 
+    /*! Stores the format's version in free bits of corners. */
     static void writeVersion (uint32_t corners[6]) {
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Writes into a header, whose bits must be 0. */
+    /*! Writes origin, spacings and corners into a header, whose bits must be 0. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -147,7 +152,7 @@ namespace cvert { inline namespace CVERT_ISA
             << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! Returns the end of the remainders. offset: of `out` from the start of the block or step, in bytes.
+    /*! Writes the remainders, and returns their end. offset: of `out` from the start of the block or step, in bytes.
      *  word: receives the word of remainders. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
@@ -160,14 +165,16 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! An axis stored as floats has coordinates only for boxes: up to 2^(unitsOfFloats+1). */
+    /*! If the vertices of an axis are stored as floats, coordinates serve only boxes. They are then less than
+     *  2^(unitsOfFloats+1), so that they need few bits. */
     static const int unitsOfFloats = 6;
 
-    /*! Bits of an axis' integers before division by the step. Their differences have at most 31. */
+    /*! findSteps scales an axis to integers of at most this many bits and a sign. Their differences fit into an int. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponents of the steps
 
+    /*! Exponent of a power of two that is at most |x|, if x is normal. */
     static int exponentOf (float x)
     {
       uint32_t bits;
@@ -175,6 +182,7 @@ namespace cvert { inline namespace CVERT_ISA
       return int((bits >> 23) & 255u) - 127;
     }
 
+    /*! Scales each axis to integers. If this is exact, the lowest bit in which any two of them differ is the step. */
     void findSteps ()
     {
       Float4 scale[3], unit[3];
@@ -201,7 +209,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) {
         const unsigned differences = integral[k] == 15 ? unsigned(reduceOr(any[k])) : 0;
         if (differences != 0) {
-          // the origin must be a multiple, too
+          // the vertices themselves must be multiples of the step, not only their differences
           const float vertex = vertices[0][k];
           step[k] = std::min(exponents[k] + __builtin_ctz(differences),
                              vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
@@ -210,7 +218,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Requires x != 0. Returns less than minSpacingExponent for denormals, which readers may treat as 0. */
+    /*! Exponent of the lowest set bit of x, which must not be 0. Returns less than minSpacingExponent for denormals,
+     *  which readers may treat as 0. */
     static int lowestBit (float x)
     {
       uint32_t bits;
@@ -219,14 +228,16 @@ namespace cvert { inline namespace CVERT_ISA
       return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
     }
 
-    /*! For equal vertices, or vertices too small for the integers of findSteps. */
+    /*! Finds the step from the bits of the floats, if vertices are equal on the axis or are no integers in
+     *  findSteps. */
     void findStepOfFloats (int k)
     {
       step[k] = maxSpacingExponent;
       const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
       for (uint32_t i=0; i<count; i++)
         if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // the step is too fine
+      // too fine for remainders: makes setRemainders select floats
+      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits);
     }
 
     /*! Smallest spacing for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings
@@ -245,6 +256,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
+    /*! Chooses the bits of remainders for the current spacings. Returns false if a spacing is too large. */
     bool setRemainders ()
     {
       for (int k=0; k<3; k++)

@@ -10,10 +10,11 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
+  /*! Call begin(), addGroup() for all groups and ends, then write() and encodeReach(). */
   class BoxEncoder
   {
   public:
-    /*! second: the block at the segment's end, if it moves */
+    /*! Chooses the shear. first: the block at the segment's beginning. second: the block at its end, if it moves. */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -23,6 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
       memset(margins,0,sizeof(margins));
     }
 
+    /*! Enlarges the margins of group g so that its box contains its vertices. end: 0 or 1, end of the segment. */
     void addGroup (uint32_t end, uint32_t g)
     {
       const BlockVertices& block = *ends[end];
@@ -46,7 +48,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (uint32_t g=0; g<groups; g++) addGroup(e,g);
     }
 
-    /*! Returns bits 0 to 23 of boxForm. */
+    /*! Writes the margins. Returns bits 0 to 23 of boxForm. */
     uint32_t write (uint8_t* out) const
     {
       uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14
@@ -55,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Bounds at an end, see reachStep, in the smallest possible steps of 2^shift. */
+    /*! Returns the bounds at an end as VertHeader::reach, in the smallest possible units of 2^shift coordinates. */
     uint32_t encodeReach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];
@@ -95,10 +97,10 @@ namespace cvert { inline namespace CVERT_ISA
     struct Heights
     {
       uint32_t shift;
-      int below, above;  //!< that remainders subtract and add, at most
+      int below, above;  //!< upper bounds of what remainders subtract and add
       int at[BlockVertices::maxVertices];
 
-      /*! False if decoders, which compute in float, would have to round. */
+      /*! Computes the heights. Returns false if decoders, which compute in float, would have to round. */
       bool set (const BlockVertices& block, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
@@ -139,7 +141,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     struct Span { int lower, upper; };
 
-    /*! values: padded to whole vectors */
+    /*! values: padded to whole vectors. */
     static Span spanOf (const int* values, uint32_t count)
     {
       Int4 lower = Int4::load(values), upper = lower;
@@ -151,6 +153,7 @@ namespace cvert { inline namespace CVERT_ISA
       return { least(lower),greatest(upper) };
     }
 
+    /*! Vertices of a group in an array of the block's vertices. */
     class Group
     {
     public:
@@ -189,10 +192,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
 
     private:
-      const uint32_t width, first, x, y; //!< x, y: quads
+      const uint32_t width, first, x, y; //!< vertices per row of the block, first vertex, quads per side
     };
 
-    /*! Along the mean normal of the quads; none if groups do not become flatter. */
+    /*! Chooses the shear in which the quads' mean plane is flat, or none if groups do not become flatter. */
     Shear chooseShear ()
     {
       double n[3] = { 0,0,0 };
@@ -218,7 +221,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sheared < upright ? shear : straight;
     }
 
-    /*! Adds twice the quads' projected areas. */
+    /*! Adds a multiple of the quads' mean normal: twice the area that the block's outline encloses, per axis. */
     static void addNormals (const BlockVertices& block, double sum[3])
     {
       const uint32_t width = block.width;
@@ -237,6 +240,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),block.exponent[(k+1)%3]+block.exponent[(k+2)%3]);
     }
 
+    /*! Sum of the groups' extents on an axis. */
     int64_t thickness (const BlockVertices& block, const int* values) const
     {
       int64_t sum = 0;
@@ -259,12 +263,13 @@ namespace cvert { inline namespace CVERT_ISA
       return shift;
     }
 
+    /*! Number of steps of 2^shift, rounded up. */
     static int stepsUp (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
 
     const BlockVertices* ends[2];
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at both ends; set if there is a shear
+    Heights heights[2];         //!< at both ends; only set if there is a shear
   };
 }}

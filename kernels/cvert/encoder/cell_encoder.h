@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of a cell, see format/cell.h. */
+/* Encodes a cell (format/cell.h): predicts its vertices from the corners, and packs the residuals. */
 
 #include "../format/cell.h"
 #include "../basics/bits.h"
@@ -15,9 +15,10 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Padded to whole vectors. */
+  /*! cellVertices, padded to whole vectors. */
   static const int paddedVertices = 28;
 
+  /*! Set `vertices`, then call predict(), encode() or encodeNoise(), and write(). */
   class CellEncoder
   {
   public:
@@ -64,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! encode() without main axis and slopes. */
+    /*! encode() without main axis and slopes, for differences that remain after the prediction from another step. */
     bool encodeNoise ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
@@ -73,8 +74,8 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    uint32_t word; //!< see format/cell.h
-    int excess[3]; //!< by axis: surplus bits if encode fails
+    uint32_t word; //!< word of the cell, see format/cell.h
+    int excess[3]; //!< by axis: bits above maxResidualBits if encode fails
 
     /*! Writes the fields, after encode() or encodeNoise(). Returns their end. */
     uint8_t* write (uint8_t* out) const
@@ -104,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! bits: along the main axis and the next two */
+    /*! Sets `excess`. bits: of residuals on the main axis and the next two axes. */
     bool fits (const int bits[3], int main)
     {
       for (int i=0; i<3; i++) excess[axisAfter(main,i)] = std::max(bits[i]-maxResidualBits,0);
@@ -130,12 +131,13 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! mostly without cellWeight's division */
+    /*! cellWeight, which divides only for inner vertices. */
     static int weight (int i, int step, int quads) {
       return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
     }
 
-    /*! sums: of a*b, c*d and e*f. Adds in the order of the vertices, so that all ISAs return the same. */
+    /*! sums: receives the sums of a*b, c*d and e*f over the vertices. Adds in the order of the vertices, so that all
+     *  instruction sets return the same. */
     static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
                              float sums[3])
     {
@@ -153,7 +155,7 @@ namespace cvert { inline namespace CVERT_ISA
       sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
     }
 
-    /*! Bits of the largest residual. Residuals of corners must be 0. */
+    /*! Bits that the residuals need in two's complement. Residuals of corners must be 0. */
     static int bitsOf (const int r[paddedVertices])
     {
       Int4 used = 0, any = 0;
@@ -166,8 +168,9 @@ namespace cvert { inline namespace CVERT_ISA
       return bits ? 33-__builtin_clz(unsigned(bits)) : reduceOr(any) ? 1 : 0;
     }
 
-    /*! Subtracts the best slope from a component if this saves bits. Returns the slope or 0. squares, products: sums of
-     *  main*main and main*r. */
+    /*! Subtracts the part of a component r that the best slope predicts, if this saves bits. Returns the slope or 0.
+     *  main: component on the main axis. squares, products: sums of main*main and main*r. bits: receives the bits of
+     *  r. */
     static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices],
                             int& bits)
     {

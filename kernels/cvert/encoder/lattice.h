@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Lattices to which vertices are snapped: all multiples of 2^exponent on the world axes. A lattice contains every
- * coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of them.
+/* Lattices to which vertices are snapped before they are encoded: all multiples of 2^exponent on the world axes. A
+ * lattice contains every coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of
+ * them.
  *
  * Snapping is exact. Where floats are coarser than the lattice, every float is a point of it. */
 
@@ -17,8 +18,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Default spacing as a fraction of a face's median edge along u or v, whichever is shorter. spacingOfDiagonal may
-   *  reduce it. */
+  /*! Default spacing as a fraction of a face's median quad edge along u or v, whichever is shorter. spacingOfDiagonal
+   *  may reduce it. */
   static constexpr double spacingOfEdge = 1.0/36;
 
   /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture, and consist mostly of
@@ -32,16 +33,17 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Lower bound of the spacing by the diagonal, as a fraction of the edge: residuals must fit into a cell. */
   static constexpr double finestOfEdge = 1.0/96;
 
-  /*! For an application's grids. Rays that start 1/200 of an edge above the application's vertices also start above the
-   *  stored surface, on slopes of up to 45 degrees. */
+  /*! Spacing for an application's grids, as a fraction of an edge. Rays that start 1/200 of an edge above the
+   *  application's vertices also start above the stored surface, on slopes of up to 45 degrees. */
   static constexpr double spacingOfGridEdge = 1.0/512;
 
-  /*! For quads and triangles. Renderers shade points on their own triangles, on which a stored surface slightly in
-   *  front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing light that become darker by
-   *  more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
+  /*! Spacing for quads and triangles, as a fraction of an edge. Renderers shade points on their own triangles, on which
+   *  a stored surface slightly in front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing
+   *  light that become darker by more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
   static constexpr double spacingOfMeshEdge = 1.0/2048;
 
-  /*! median: edge length along u or v. quads: along them. diagonal: of the geometry. */
+  /*! Default spacing of a face of a cage. median: median edge length along u or v. quads: number of quads in this
+   *  direction. diagonal: of the geometry's bounds. */
   inline double defaultSpacing(double median, unsigned quads, double diagonal)
   {
     if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
@@ -51,16 +53,17 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Floats of at least 2^floatBits spacings have no finer bits. */
   static constexpr int floatBits = 23;
 
-  /*! Reciprocals of these spacings are normal floats. */
+  /*! Exponents of lattices. The reciprocals of these spacings are normal floats. */
   static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
-  /*! Vertices do not move. Less than all others, because shared vertices use the coarsest lattice. */
+  /*! Exponent that stands for not moving vertices. Less than all others, because shared vertices use the coarsest
+   *  lattice of their faces. */
   static constexpr int exactLattice = -126;
 
   struct WorldLattice
   {
     float spacing;   //!< 0 for exactLattice
-    float reciprocal, limit;
+    float reciprocal, limit; //!< of the spacing; larger floats are points of the lattice
 
     explicit WorldLattice (int exponent)
       : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
@@ -69,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Requires a normal float. */
     static float powerOfTwo (int exponent) { return floatOfBits(uint32_t(exponent+127) << 23); }
 
-    /*! To the nearest multiple, halves to even. Keeps NaN and infinity. */
+    /*! Rounds to the nearest multiple, halves to even. Keeps NaN and infinity. */
     float snap (float x) const
     {
       if (!(std::fabs(x) < limit)) return x;
@@ -82,13 +85,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Rounds down to a valid power of two. */
+  /*! Exponent of a spacing, rounded down to a power of two and clamped to valid exponents. */
   inline int latticeExponent(double spacing) {
     return spacing > 0 ? std::min(std::max(std::ilogb(spacing),minLatticeExponent),maxLatticeExponent)
                        : minLatticeExponent;
   }
 
-  /*! Along three lines of vertices. */
+  /*! Lengths of quad edges along three lines of a face's vertices, from which the face's spacing is chosen. */
   class EdgeSample
   {
   public:
@@ -122,6 +125,6 @@ namespace cvert { inline namespace CVERT_ISA
     double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
 
   private:
-    std::vector<double> squares; //!< squared
+    std::vector<double> squares; //!< squared edge lengths, without 0
   };
 }}

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Encodes a mesh as mesh blocks: clusters the triangles, and omits those that no ray can hit. */
+/* Encodes a triangle mesh as mesh blocks: snaps vertices, clusters the triangles, and omits those that no ray can
+ * hit. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -13,6 +14,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
+  /*! The application's mesh, which must remain valid while it is encoded. */
   struct MeshSource
   {
     const float (*vertices)[3];
@@ -25,7 +27,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     int exponent = exactLattice;  //!< lattice of multiples of 2^exponent; exactLattice moves no vertex
     uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
-    uint32_t surface = 0;         //!< surface number in the headers of the blocks
+    uint32_t surface = 0;         //!< surface number for the headers of the blocks (format/limits.h)
   };
 
   struct MeshReport

@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, and these into groups, recursively by the surface area heuristic. The
- * cost of a part is the number of clusters or groups that it needs. Parts of more than 512 triangles are divided at
- * borders of bins, smaller ones at the best of all positions in the order of centers on an axis. Bounds have 16 bits,
- * and costs are exact integers, such that all processors find the same clusters. */
+/* Divides triangles into clusters of up to 256, one per mesh block, and these into groups, recursively by the surface
+ * area heuristic: each division minimizes the sum over both parts of surface area times cost, where the cost of a part
+ * is the number of clusters or groups that it needs. Parts of more than 512 triangles are divided at borders of bins,
+ * smaller ones at the best of all positions in the order of centers on an axis. Bounds have 16 bits per plane, and sums
+ * are exact integers, so that all processors find the same clusters. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -34,7 +35,7 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshClusters
   {
   public:
-    /*! groupTriangles: of a full group, a power of two up to maxGroupTriangles */
+    /*! groupTriangles: triangles of a full group, a power of two up to maxGroupTriangles. */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         part(new Part) {}
@@ -43,7 +44,7 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t partTriangles = 4096;
 
     /*! Reorders triangles and calls onCluster(triangles,count,groups) for each cluster, in order. boundsOf(index,lower,
-     *  upper) bounds a triangle. depth: number of applications of divide() so far */
+     *  upper): sets the bounds of a triangle. depth: number of divisions by divide() that lead to these triangles. */
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
       uint32_t depth = 0)
@@ -85,20 +86,21 @@ namespace cvert { inline namespace CVERT_ISA
     const uint32_t groupTriangles, clusterTriangles;
 
   private:
-    static const size_t samples = 256;              //!< that divide() takes, at least
-    static const uint32_t maxUnbalancedDepth = 64;  //!< divide() halves deeper parts, for any input
-    static const uint32_t bins = 32;
-    static const size_t sortedItems = 512;
+    static const size_t samples = 256;              //!< divide() samples at least this many triangles
+    static const uint32_t maxUnbalancedDepth = 64;  //!< divide() halves deeper parts, to limit the recursion
+    static const uint32_t bins = 32;                //!< per axis
+    static const size_t sortedItems = 512;          //!< parts of up to this many triangles are sorted instead of binned
 
-    /*! Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum extends both. */
+    /*! Bounds in positions of Grid. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum
+     *  extends both. */
     typedef uint16_t Lanes __attribute__((vector_size(16)));
 
-    /*! Lane 3: index in the part; 7: bin, or 1 for the right side of a cut. */
+    /*! A triangle. Lane 3: index in Part::centers; 7: 1 on the right side of a division, see divideSorted. */
     struct Item
     {
       Lanes lanes;
 
-      uint32_t center (int k) const { return uint32_t(lanes[k]) + 65535u - lanes[4+k]; } //!< a center has 17 bits
+      uint32_t center (int k) const { return uint32_t(lanes[k]) + 65535u - lanes[4+k]; } //!< twice the center: 17 bits
       uint16_t index () const { return lanes[3]; }
     };
 
@@ -108,12 +110,12 @@ namespace cvert { inline namespace CVERT_ISA
 
       void extend (Lanes item) { lanes = item < lanes ? item : lanes; }
 
-      /*! Half of the surface area. Requires an item. */
+      /*! Half of the surface area. Requires bounds of at least one item. */
       uint64_t area () const
       {
         uint64_t halves[2];
         std::memcpy(halves,&lanes,sizeof(halves));
-        const uint64_t sizes = ~(halves[0]+halves[1]); // no sum exceeds 16 bits
+        const uint64_t sizes = ~(halves[0]+halves[1]); // subtracts all axes at once; no sum exceeds 16 bits
         const uint64_t x = sizes & 65535, y = (sizes >> 16) & 65535, z = (sizes >> 32) & 65535;
         return x*(y+z) + y*z;
       }
@@ -123,13 +125,14 @@ namespace cvert { inline namespace CVERT_ISA
     {
       Item items[partTriangles];
       MeshCenter centers[partTriangles];
-      /* of up to sortedItems items that begin at the same item */
-      uint16_t order[3][sortedItems]; //!< items by center on each axis
-      uint16_t spare[sortedItems];
-      uint64_t areas[sortedItems];    //!< of the items from a position on
+      /* For up to sortedItems consecutive items. Items are numbered from the first of them. */
+      uint16_t order[3][sortedItems]; //!< items sorted by center on each axis
+      uint16_t spare[sortedItems];    //!< temporary, for sorting
+      uint64_t areas[sortedItems];    //!< area of the bounds of all items from a position on
     };
 
-    /*! Positions of Items. */
+    /*! Converts world coordinates to positions of 16 bits. The centers of all items lie from 8192 to 8192 + 49152; the
+     *  bounds of triangles outside of this range are clamped. */
     struct Grid
     {
       float lower[3], scale;
@@ -140,7 +143,7 @@ namespace cvert { inline namespace CVERT_ISA
       float positionOf (uint32_t center, int k) const { return lower[k] + (0.5f*float(center) - 8192.0f)/scale; }
     };
 
-    /*! Loads every step-th triangle. */
+    /*! Loads every step-th triangle into `part`. */
     template<typename BoundsOf>
     Grid load (const MeshCenter* triangles, size_t count, size_t step, const BoundsOf& boundsOf)
     {
@@ -157,7 +160,7 @@ namespace cvert { inline namespace CVERT_ISA
       grid.longest = 0;
       for (int k=1; k<3; k++)
         if (upper[k]-grid.lower[k] > upper[grid.longest]-grid.lower[grid.longest]) grid.longest = k;
-      // triangles extend beyond their centers' bounds
+      // 3/4 of the positions: triangles extend beyond their centers' bounds
       grid.scale = 49152.0f/std::max(upper[grid.longest]-grid.lower[grid.longest],1e-30f);
       for (size_t i=0; i<count; i++)
       {
@@ -184,7 +187,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t begin;
     };
 
-    /*! perItem: number of triangles that an item stands for */
+    /*! Finds the division at a border of bins with the least cost. perItem: triangles that an item represents. */
     BinCut chooseBins (size_t first, size_t count, size_t perItem)
     {
       Item* const items = part->items+first;
@@ -226,10 +229,11 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! unit: a power of two, because a division takes longer than the rest of a position's cost. */
+    /*! Number of groups or clusters of `unit` triangles that `count` triangles need. unit: a power of two, because a
+     *  division would take longer than everything else at a position. */
     static uint64_t unitsFor (size_t count, uint32_t unit) { return (count+unit-1) >> __builtin_ctz(unit); }
 
-    /*! Returns the number of items that isLeft accepts. */
+    /*! Moves the items that isLeft accepts to the front, and returns their number. */
     template<typename T, typename IsLeft>
     static size_t moveToFront (T* items, size_t count, const IsLeft& isLeft)
     {
@@ -267,7 +271,7 @@ namespace cvert { inline namespace CVERT_ISA
       cutSorted(first,0,count,onCluster);
     }
 
-    /*! begin, end: in part->order */
+    /*! first: first item of the sorted part. begin, end: positions in part->order. */
     template<typename OnCluster>
     void cutSorted (size_t first, uint32_t begin, uint32_t end, const OnCluster& onCluster)
     {
@@ -282,7 +286,7 @@ namespace cvert { inline namespace CVERT_ISA
       cutSorted(first,middle,end,onCluster);
     }
 
-    /*! cluster: begin of the cluster. most: number of groups, at most */
+    /*! Divides a cluster into groups. cluster: position at which the cluster begins. most: maximum number of groups. */
     void cutGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
     {
       const uint32_t count = end-begin;
@@ -294,7 +298,8 @@ namespace cvert { inline namespace CVERT_ISA
       cutGroups(first,begin+left,end,cluster,most-mostOfLeft,groups);
     }
 
-    /*! Divides into two parts that need at most `most` units. Returns the size of the left one. */
+    /*! Divides into two parts that need at most `most` units of `unit` triangles together. Sorts part->order so that
+     *  the left part comes first on each axis. Returns the size of the left part. */
     uint32_t divideSorted (size_t first, uint32_t begin, uint32_t end, uint32_t unit, uint32_t most)
     {
       Item* const items = part->items+first;
@@ -333,7 +338,7 @@ namespace cvert { inline namespace CVERT_ISA
       return left;
     }
 
-    /*! Radix sort of centers on axis k. */
+    /*! Radix sort of centers on axis k: first by the lower 9 bits, then by the upper 8 bits. */
     void sort (size_t first, uint32_t count, int k)
     {
       const Item* const items = part->items+first;

@@ -6,8 +6,8 @@
 /* Lossless encoder of a mesh block, see format/mesh_block.h. Callers may snap corners to a lattice first
  * (mesh_lattice.h). Only -0 may become 0. Equal corners become one vertex.
  *
- * An axis' spacing is the largest power of two that divides all coordinates. It stores ranks of floats instead if
- * coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
+ * The spacing on an axis is the largest power of two that divides all vertices. The axis stores ranks of floats
+ * (rankOfFloat) instead if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_clusters.h"
@@ -21,9 +21,10 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshTriangle
   {
     float corners[3][3]; //!< by corner and axis; finite, three different points
-    uint32_t number;       //!< primitive, or see meshHasQuads
+    uint32_t number;     //!< primitive, or twice the primitive plus 0 or 1, see meshHasQuads
   };
 
+  /*! Sums over all blocks. */
   struct MeshStatistics
   {
     uint64_t blocks = 0, groups = 0, triangles = 0, vertices = 0, restarts = 0, bytes = 0;
@@ -35,7 +36,8 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshEncoder
   {
   public:
-    /*! Upper bound of a block's size. */
+    /*! Upper bound of a block's size: header, records and boxes need up to 184 bytes, topology 1328, vertices 12*496,
+     *  and numbers 1088. */
     static constexpr size_t maxBytes = 9216;
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
@@ -94,7 +96,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t lower[3], extent[3];                            //!< box of the group
     };
 
-    static const uint32_t slotCount = 2048;
+    static const uint32_t slotCount = 2048; //!< of the hash table of corners; 2^11, see findCorner
     static const uint16_t noNumber = 0xFFFF;
 
     void begin ()
@@ -103,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
     }
 
-    /*! Adds a position to the corners of this block if it is new. */
+    /*! Returns the corner of this block at a position. Adds it if it is new. */
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
@@ -112,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
         });
     }
 
-    /*! isSame(corner): true for the requested corner. */
+    /*! Finds a corner in the hash table, or adds it. isSame(corner): true for the requested corner. */
     template<typename IsSame>
     uint32_t findCorner (const MeshPosition& position, uint32_t hash, const IsSame& isSame)
     {
@@ -142,7 +144,7 @@ namespace cvert { inline namespace CVERT_ISA
       return corner;
     }
 
-    /*! Adds a group of up to `count` triangles. */
+    /*! Adds a group of up to `count` triangles. Adds fewer if they have too many vertices or strips. */
     void addGroup (const MeshTriangle* triangles, uint32_t count)
     {
       uint8_t local[maxGroupTriangles][3];
@@ -203,6 +205,7 @@ namespace cvert { inline namespace CVERT_ISA
       numTriangles += count;
     }
 
+    /*! Chooses spacing or ranks on axis k, and computes the coordinates. */
     void place (int k)
     {
       float lo = vertices[0][k], hi = lo;
@@ -238,7 +241,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! For an axis that does not need ranks, after place(). */
+    /*! Replaces ranks by coordinates on an axis that does not need ranks, after place(). */
     void placeOnLattice (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), least = double(origin[k]);
@@ -266,14 +269,14 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! most: largest coordinate */
+    /*! Shift of boxes, whose planes have 8 bits. most: largest coordinate. */
     static uint32_t shiftOf (uint32_t most, bool ranked)
     {
       const uint32_t bits = bitsOf(most), least = ranked ? leastRankShift : 0;
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int maxUnrankedBits = 18;   //!< up to so many, ranks are not tried
+    static const int maxUnrankedBits = 18;   //!< with up to this many bits per coordinate, ranks are not tried
 
     /*! Shears an axis if that shortens its fields. */
     void chooseShear ()
@@ -291,7 +294,7 @@ namespace cvert { inline namespace CVERT_ISA
         s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
       }
       s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
-      // on which a plane explains most of the variance
+      // chooses the axis on which a plane (least squares) explains most of the variance, and at least half
       double best = 0.5;
       for (int m=0; m<3; m++)
       {
@@ -325,6 +328,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
 
+    /*! Computes the boxes of groups in units of 2^shift, rounded outwards by decoders. */
     void bound ()
     {
       for (int k=0; k<3; k++)
@@ -436,10 +440,11 @@ namespace cvert { inline namespace CVERT_ISA
       return header.bytes;
     }
 
+    /*! A slot is empty unless its epoch is the current one, so that the table need not be cleared for each block. */
     struct Slot { uint32_t epoch, corner; };
     Slot slots[slotCount];
     uint32_t epoch = 0, attempt = 0;
-    /* by corner, in the order of insertion */
+    /* Corners of the block's triangles, in the order of insertion. A corner becomes a vertex when a group uses it. */
     uint32_t numCorners;
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
     uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< number of each corner as a vertex of the block

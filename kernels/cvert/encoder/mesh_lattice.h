@@ -15,16 +15,17 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Levels above 0 by position. An open hash table, because in a mesh of needles most vertices are exceptions. */
+  /*! Maps positions to lattices (levels) other than the first. A hash table with open addressing, because in a mesh of
+   *  needles most vertices are exceptions. */
   class MeshExceptions
   {
   public:
-    /*! Returns 0 for other positions. */
+    /*! Returns 0 for positions that are no exceptions. */
     uint32_t levelOf (const MeshPosition& position, uint32_t hash) const {
       return entries.empty() ? 0 : entries[find(position,hash)].level;
     }
 
-    /*! Throws std::bad_alloc. */
+    /*! Raises the level of a position to at least `level`. Throws std::bad_alloc. */
     void raise (const MeshPosition& position, uint32_t hash, uint32_t level)
     {
       if (4*(count+1) > 3*entries.size()) grow();
@@ -74,7 +75,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! A first exception's spacing is 2^finerBits times smaller; a second one does not move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice. */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
@@ -175,7 +176,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    MeshExceptions exceptions; //!< lattice of a position
-    uint32_t filter[2048];     //!< a bit per hash of an exception
+    MeshExceptions exceptions;
+    uint32_t filter[2048];     //!< bit i: an exception has i in the upper 16 bits of its hash; avoids most look-ups
   };
 }}

@@ -32,8 +32,8 @@ namespace cvert { inline namespace CVERT_ISA
       return MeshEncoder::maxBytes + sizeof(VertMotion) + (numSteps-1)*(sizeof(uint32_t) + maxStepBytes);
     }
 
-    /*! locate(step,id,out): sets a vertex's position at a later step, which must be finite. Called once for each step
-     *  and vertex of a block, before onBlock, which is called as by MeshEncoder::encodeCluster. block: maxBytes,
+    /*! locate(step,id,out): sets `out` to a vertex's position at a later step, which must be finite. Called once for
+     *  each step and vertex of a block, before onBlock. onBlock: see MeshEncoder::encodeCluster. block: maxBytes,
      *  aligned to 4. */
     template<typename Locate, typename OnBlock>
     void encodeCluster (const MovingCluster& cluster, uint8_t* block, MeshStatistics& statistics,
@@ -50,7 +50,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Header, records, boxes, bases, fields, and rounding up to whole bytes and words. */
+    /*! Upper bound of a step: header, records, boxes, bases, fields, and rounding up to whole bytes and words. */
     static constexpr size_t maxStepBytes =
       meshStepBytes + (meshStepRecordBytes+meshBoxBytes+12)*maxMeshGroups + 12*maxMeshVertices + 16;
 
@@ -81,7 +81,7 @@ namespace cvert { inline namespace CVERT_ISA
       return header.bytes;
     }
 
-    /*! Encodes a step of `vertices`. Returns its end. */
+    /*! Encodes `vertices` as a step. Returns its end. */
     uint8_t* writeStep (uint8_t* const out)
     {
       MeshStep step;
@@ -187,8 +187,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     AffineFit fit;
     float first[maxMeshVertices][3];    //!< positions at the first step
-    double predicted[maxMeshVertices];  //!< positions on an axis
-    uint32_t ranks[maxMeshVertices];
+    double predicted[maxMeshVertices];  //!< predicted positions on the current axis
+    uint32_t ranks[maxMeshVertices];    //!< temporary, for placeStep
     Residuals residuals[3], other;
   };
 }}

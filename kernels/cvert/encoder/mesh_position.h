@@ -3,23 +3,26 @@
 
 #pragma once
 
+/* Positions as keys of hash tables, by which mesh encoders find equal vertices. */
 
 #include "../format/block.h"
 #include <cstring>
 
 namespace cvert { inline namespace CVERT_ISA
 {
+  /*! The bits of three coordinates. Positions with equal coordinates have equal bits, because -0 becomes 0. */
   struct MeshPosition
   {
     uint32_t words[3];
 
     MeshPosition () {} // undefined
     explicit MeshPosition (const float p[3]) {
-      for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // converts -0 to 0
+      for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // -0 + 0 is 0
     }
 
     bool operator== (const MeshPosition& other) const { return std::memcmp(words,other.words,sizeof(words)) == 0; }
 
+    /*! The first three factors are primes of xxHash32. Tables use the upper bits of the result. */
     uint32_t hash () const
     {
       const uint32_t h = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Strips of a group of triangles, see format/mesh_block.h. Greedy: prefers triangles with the fewest unused
- * neighbors. */
+/* Orders the triangles of a group as generalized strips, see format/mesh_block.h. Greedy: continues with the triangle
+ * that has the fewest neighbors that are in no strip yet. */
 
 #include "../format/mesh_block.h"
 #include <cstring>
@@ -20,7 +20,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t turns[maxGroupTriangles];
     uint32_t restarts, fans;                        //!< a bit per triangle in `order`; bit 0 is 0
 
-    /*! corners: below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
+    /*! corners: indices below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
     void make (const uint8_t (*corners)[3], uint32_t count)
     {
       this->corners = corners;
@@ -38,7 +38,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle, by vertex
     uint32_t left;                         //!< triangles that are in no strip yet
 
-    /*! Triangles with the edge from x to y. */
+    /*! Mask of the triangles in no strip that have the edge from x to y in this direction. */
     uint32_t withEdge (uint8_t x, uint8_t y) const
     {
       uint32_t result = 0;
@@ -50,12 +50,14 @@ namespace cvert { inline namespace CVERT_ISA
       return result;
     }
 
+    /*! Number of triangles in no strip that share an edge with triangle t. */
     uint32_t degree (uint32_t t) const
     {
       const uint32_t a = incident[corners[t][0]], b = incident[corners[t][1]], c = incident[corners[t][2]];
       return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
     }
 
+    /*! Returns the candidate of the least degree. candidates: mask, not 0. */
     uint32_t leastConnected (uint32_t candidates) const
     {
       if ((candidates & (candidates-1)) == 0) return uint32_t(__builtin_ctz(candidates));
@@ -67,7 +69,8 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! a, b: first two corners in the order of the stream. isFlipped: the application's order is b, a. */
+    /*! Appends triangle t. a, b: its first two corners in the order of the stream. isFlipped: the application's order
+     *  is b, a. */
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
@@ -76,9 +79,10 @@ namespace cvert { inline namespace CVERT_ISA
       left &= ~(1u << t);
     }
 
+    /*! Makes a strip that begins with triangle t. Stops when the last triangle has no neighbor. */
     void makeStrip (uint32_t t)
     {
-      // the strip cannot continue across edge a b: prefers one without neighbor, if others have one
+      // The strip cannot continue across edge a b. Prefers an edge without neighbor as a b, if another edge has one.
       left &= ~(1u << t);
       const uint8_t* own = corners[t];
       uint32_t neighbors[3], turn = 0;

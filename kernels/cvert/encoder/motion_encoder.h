@@ -18,6 +18,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
+  /*! Call begin(), then for each step set vertices() and call addStep(), then call finish(). Holds only two steps in
+   *  memory. The first step's margins and the offsets of steps are completed as later steps are added. */
   class MotionEncoder : private VertEncoder
   {
   public:
@@ -28,9 +30,10 @@ namespace cvert { inline namespace CVERT_ISA
                         + sizeof(float)*6*maxSide*maxSide + 64);
     }
 
-    /*! The caller fills these for the next step, row by row. */
+    /*! The vertices of the next step, row by row, which the caller sets. */
     float (*vertices ())[3] { return current().vertices; }
 
+    /*! begin, end: times of the first and last step. out: receives the block, at least maxBytes(numSteps). */
     void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
       this->at = at;
@@ -67,9 +70,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    static const uint32_t firstCell = maxVertGroups; //!< index of the first cell in first and own
+    static const uint32_t firstCell = maxVertGroups; //!< index of the first cell in `first` and `own`
 
-    /*! by axis */
+    /*! Residuals of a cell, by axis. */
     typedef int Residuals[3][paddedVertices];
 
     BlockVertices& current () { return step % 2 ? other : *this; }
@@ -122,7 +125,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      // margins of the segment that ends here
+      // completes the segment that ends here, whose header is the previous step's
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
@@ -161,7 +164,7 @@ namespace cvert { inline namespace CVERT_ISA
         rotation.fit(own);
         rotation.write(header);
       }
-      // at an offset that depends on the words
+      // all words first, because the fields' offset depends on them
       uint32_t words[maxVertGroups+1];
       bool areRotated[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
@@ -190,6 +193,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
+    /*! Sets own[g] to the residuals of a cell. */
     void predict (const BlockVertices& now, uint32_t g)
     {
       const bool isGroup = g != firstCell;
@@ -235,7 +239,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    //! Fields of up to so many bits are encoded as rotated residuals without trying the others.
+    //! If rotated residuals need at most this many bits per field, encodeCell does not try the step's own residuals.
     static const int maxUntriedBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
@@ -243,12 +247,12 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* block;
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
-    uint8_t* marginsOfSegment;  //!< these three belong to the segment that begins with the previous step
+    uint8_t* marginsOfSegment;  //!< these three point into the previous step, with which the current segment begins
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
     std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< vertices of odd steps
-    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first and the current step
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< by cell: residuals of the first and the current step
     RotationFit rotation;
   };
 }}

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Encodes numbers of a block's quads, see format/quad_numbers.h: the first pattern that fits, else a table. */
+/* Encodes the primitive numbers of a block's quads, see format/quad_numbers.h: as the first pattern that fits,
+ * otherwise as a table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Primitive numbers of a patch's quads. */
   struct QuadNumbers
   {
-    uint32_t form;                 //!< without pattern; without turns if `turns` has them
+    uint32_t form;                 //!< form without pattern, and without turns if `turns` is not empty
     unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
@@ -24,15 +25,17 @@ namespace cvert { inline namespace CVERT_ISA
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
 
+  /*! Call set() before the block is encoded, and finish() afterwards. */
   class NumbersEncoder
   {
   public:
+    /*! Upper bound of the bytes that finish() adds and clears after the block. */
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
     uint32_t form;             //!< for VertHeader::patchQuads
-    VertNumbers pattern;       //!< stored after the header
+    VertNumbers pattern;       //!< numbers to store after the header
 
-    /*! Chooses the pattern for the block at x0, y0. */
+    /*! Chooses the pattern for the block of width x height quads at quad x0, y0 of the patch. */
     void set (const QuadNumbers& patch, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
@@ -67,7 +70,8 @@ namespace cvert { inline namespace CVERT_ISA
       setTable(blockForm,numbersInTable);
     }
 
-    /*! Completes a block of `bytes` bytes, and returns its new size. */
+    /*! Sets the base of the numbers, and appends VertTrianglePairs and the table if necessary. header: of the encoded
+     *  block. bytes: its size. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;

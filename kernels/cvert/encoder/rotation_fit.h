@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Least-squares matrix from residuals of a block's first step to those of a later step, see format/motion.h. Rotation,
- * bending and growth of a surface are nearly linear over a block. */
+/* Fits the 3x3 matrix that predicts the residuals of a later time step of a block from the residuals of its first step,
+ * by least squares, see format/motion.h. Any matrix is allowed: rotation, bending and growth of a surface are nearly
+ * linear over a block. */
 
 #include "../format/motion.h"
 #include "cell_encoder.h"
@@ -14,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   class RotationFit
   {
   public:
-    /*! Residuals of the first step's groups, by axis; must exist while fit() is called. */
+    /*! residuals: of the first step's groups, by axis. They must exist while fit() is called. */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
@@ -26,7 +27,7 @@ namespace cvert { inline namespace CVERT_ISA
       invert(s,inverse);
     }
 
-    /*! later: of the same groups in another step */
+    /*! Computes the matrix and rounds it to bytes. later: residuals of the same groups at another step. */
     void fit (const int (*later)[3][paddedVertices])
     {
       double s[3][3], matrix[3][3], largest = 0;
@@ -43,7 +44,7 @@ namespace cvert { inline namespace CVERT_ISA
           entries[a][b] = int(std::floor(std::min(std::max(matrix[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
     }
 
-    /*! Sets rest to `to` minus the transformed `from`. */
+    /*! Sets `rest` to `to` minus the prediction from `from`, rounded as in decoders. */
     void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices],
                    int rest[3][paddedVertices]) const
     {
@@ -65,7 +66,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Sums of products with the first step's residuals, over all vertices. */
+    /*! s[a][b] receives the sum, over all vertices, of residuals on axis a times residuals of the first step on axis
+     *  b. */
     void sum (const int (*residuals)[3][paddedVertices], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
@@ -84,7 +86,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! m: symmetric and positive definite */
+    /*! m: symmetric and positive definite. */
     static void invert (const double m[3][3], double out[3][3])
     {
       double cofactor[3][3];

@@ -3,6 +3,7 @@
 
 #pragma once
 
+/* Snaps four vertices at a time to a lattice, and detects quads that snapping flips. For writers of cVERT blocks. */
 
 #include "../basics/vertices4.h"
 #include "lattice.h"
@@ -10,7 +11,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns the largest squared distance, in spacings, by which a finite vertex moved. */
+  /*! Snaps four consecutive vertices. Returns the largest squared distance, in spacings, by which a finite vertex
+   *  moved. */
   inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
   {
     Float4 square[3];

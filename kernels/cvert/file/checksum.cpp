@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* CRC-32C of eight bytes at a time, by an instruction of SSE4.2 or ARM64, or by tables. Compiled only for the lowest
- * ISA.
+ * instruction set; the instruction is selected at run time.
  *
  * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators",
  * 2005. */

@@ -26,7 +26,7 @@ namespace cvert
     }
   }
 
-  // O_NONBLOCK: opening a FIFO would wait for its writer
+  // O_NONBLOCK: otherwise, opening a FIFO would wait for its writer
   File::File (const std::string& path)
     : path(path), file(::open(path.c_str(),O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC))
   {

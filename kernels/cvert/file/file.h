@@ -29,7 +29,7 @@ namespace cvert
     const char* tree (size_t i) const { return data+geometry(i).tree; }
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
-    /*! For blocks that are not cVERT. bytes: from the block to the end of the blocks. */
+    /*! Validates a block that is not cVERT. bytes: from the block to the end of the geometry's blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
     /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: checks blocks
@@ -38,11 +38,13 @@ namespace cvert
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
 
+    /*! Throws Error: geometry i is damaged. */
     [[noreturn]] void failAt (size_t i, const std::string& why) const;
 
+    /*! Throws Error: this library does not support geometry i. */
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
-    /*! Open until this object is destroyed. */
+    /*! The file's descriptor, which this object owns and closes. */
     int descriptor () const { return file; }
 
     const std::string path;

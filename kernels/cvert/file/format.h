@@ -15,24 +15,25 @@ namespace cvert
 {
   /*! Version of this layout and docs/formats/file.md. Blocks have their own versions. */
   static const uint32_t fileVersion = 1;
-  static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' }; // transfers in text mode damage it
+  /*! Contains line ends, so that transfers in text mode are detected. */
+  static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' };
   static const uint32_t fileByteOrder = 0x01020304u;
 
-  /*! Version of blocks with frames, which this library copies but does not decode. */
+  /*! Version of blocks of the paper's representations (with frames), which the codec copies but does not decode. */
   static const uint32_t fileFramedVersion = 1;
 
-  /*! Trees and blocks begin at multiples of this. */
+  /*! Each geometry's tree and its first block begin at multiples of this, in bytes. */
   static const uint64_t filePage = 4096;
 
-  /*! After the blocks of a geometry, because decoders read past the end of a block. */
+  /*! Bytes after the blocks of a geometry, because decoders read past the end of a block. */
   static const uint64_t fileReadPast = 64;
 
   struct FileHeader
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    /*! vertFormatVersion, or meshFormatVersion if the file has mesh blocks, or movingMeshFormatVersion if it has moving
-     *  ones; fileFramedVersion */
+    /*! vertVersion: vertFormatVersion, or meshFormatVersion if the file contains mesh blocks, or
+     *  movingMeshFormatVersion if it contains moving ones. framedVersion: fileFramedVersion */
     uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
     uint64_t fileBytes, directory;         //!< size of the file, offset of the geometries' records
@@ -42,28 +43,29 @@ namespace cvert
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
-  /*! Nodes, a list of a few blocks, or a list of moving blocks. */
+  /*! Form of a geometry's tree: nodes, a list of a few blocks, or a list of moving blocks. */
   enum FileForm : uint32_t { FILE_TREE = 0, FILE_LIST = 1, FILE_MOVING = 2 };
 
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };
 
-  /*! Values of RTCCompression. */
+  /*! Representation of a geometry's blocks. Same values as RTCCompression. */
   enum FileCompression : uint32_t { FILE_COMPRESSION_GRID = 2, FILE_COMPRESSION_VOXEL = 3, FILE_COMPRESSION_LEAF = 4,
     FILE_COMPRESSION_VERT = 5 };
 
+  /*! Record of a geometry in the directory. */
   struct FileGeometry
   {
-    uint64_t tree, treeBytes, blocks, blockBytes;
+    uint64_t tree, treeBytes, blocks, blockBytes; //!< offsets and sizes of the tree and the blocks
     uint32_t treeChecksum, blocksChecksum;
     uint32_t form, source;
     uint32_t compression;                  //!< FileCompression
-    uint32_t surface;                      //!< bit 31 is set for moving surfaces
+    uint32_t surface;                      //!< surface number of all blocks; bit 31 is set for moving surfaces
     uint32_t numPrimitives, numTimeSteps;
     float begin, end;                      //!< times of the first and last step
     float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
     uint64_t numBlocks;
-    float measures[4];
-    uint64_t counts[23];                   //!< statistics of the writer, as are `measures`
+    float measures[4];                     //!< statistics of the surface, optional; see docs/formats/file.md
+    uint64_t counts[23];                   //!< the same
     uint64_t reserved[2];
   };
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
@@ -83,7 +85,7 @@ namespace cvert
   };
   static_assert(sizeof(FileNode) == 128,"node of a file");
 
-  struct FileEntry                         //!< of a list; moving blocks have bounds of 0
+  struct FileEntry                         //!< a block of a list; the bounds of moving blocks are 0
   {
     float lower[3], upper[3];
     uint64_t child;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Resolves an output path to a file that can be replaced, or to a device, pipe or descriptor of this process, which
- * must be written in place. Depends only on POSIX, for programs. */
+ * must be written in place. Depends only on POSIX, so that programs can include it without the codec. */
 
 #include <cctype>
 #include <cerrno>
@@ -18,7 +18,7 @@
 
 namespace cvert
 {
-  /*! what() is the text of the errno. */
+  /*! Throws an exception whose what() is the text of an errno. */
   [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
 
   inline std::string folderOf (const std::string& path)
@@ -59,7 +59,8 @@ namespace cvert
     struct stat status;   //!< undefined for a new file
 
   private:
-    /*! True at a link of /proc to an open file, whose text is not a path. */
+    /*! Replaces `path` by the target of its symbolic links. Returns true at a link of /proc to an open file, whose text
+     *  is not a path. */
     bool followLinks ()
     {
       for (int links=0; ; links++)
@@ -68,13 +69,13 @@ namespace cvert
         const ssize_t size = ::readlink(path.c_str(),target,sizeof(target));
         if (size < 0) return false;
         if (isOpenFile(path)) { descriptor = ownDescriptor(path); return true; }
-        if (links == 40 || size == ssize_t(sizeof(target))) throwErrno(ELOOP);
+        if (links == 40 || size == ssize_t(sizeof(target))) throwErrno(ELOOP); // 40 links, as in Linux
         const std::string next(target,size_t(size));
         path = next[0] == '/' ? next : folderOf(path) + "/" + next;
       }
     }
 
-    /*! In /proc/PID/fd. */
+    /*! True for an entry of /proc/PID/fd. */
     static bool isOpenFile (const std::string& path)
     {
       const long proc = 0x9fa0; // PROC_SUPER_MAGIC
@@ -92,7 +93,8 @@ namespace cvert
       return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(fileNameOf(path).c_str()) : -1;
     }
 
-    /*! Standard output or error if it goes to the file, else -1. A rename would lose its output. */
+    /*! Descriptor of standard output or standard error if it is redirected to the file, else -1. A rename would lose
+     *  what the process writes to it. */
     static int standardDescriptor (const struct stat& file)
     {
       struct stat open;

@@ -11,16 +11,16 @@
 
 namespace cvert
 {
-  /*! Finite and not empty. */
+  /*! True if the box is finite and not empty. */
   bool areBounds (const float lower[3], const float upper[3]);
 
-  /*! Except for the positions of tree and blocks. */
+  /*! Checks a record, except for the positions of tree and blocks and for checksums. */
   Reason validateRecord (const FileGeometry& record);
 
   /*! Checks a cVERT block of at most `bytes` bytes, except for its surface number. Decoders of valid blocks read only
    *  the block and readPastVert bytes after it, and report existing primitives. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
-  /*! The same for a mesh block. */
+  /*! The same for a mesh block, static or moving. */
   Reason validateMeshBlock (const FileGeometry& record, const void* data, size_t bytes);
 }

@@ -11,7 +11,7 @@
 
 namespace cvert
 {
-  /*! Passes the tree to a Sink, which has
+  /*! Passes the tree to a Sink, which defines
    *
    *    typedef Ref                                                        reference to a node or a block
    *    Ref leaf (FileChild type, uint64_t offset)                         a block, offset bytes after the first
@@ -25,12 +25,13 @@ namespace cvert
   class TreeReader
   {
   public:
-    /*! In nodes. */
+    /*! Maximum number of nodes on a path from the root. Limits the recursion. */
     static const unsigned maxDepth = 40;
 
     TreeReader (const FileGeometry& record, const char* tree, Sink& sink) : record(record), tree(tree), sink(sink) {}
 
-    /*! Returns the first error. root: set unless the geometry has a list. */
+    /*! Returns the first error; the sink may then have received a part of the tree. root: receives the sink's reference
+     *  to the root, unless the geometry has a list. */
     Reason read (typename Sink::Ref& root)
     {
       if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes)))
@@ -111,12 +112,12 @@ namespace cvert
     const char* const tree;
     Sink& sink;
     Reason reason;
-    uint64_t next = 0;       //!< lowest valid one of the next block
+    uint64_t next = 0;       //!< lowest valid offset of the next block
     uint64_t numBlocks = 0;
-    uint64_t used = 0;       //!< nodes
+    uint64_t used = 0;       //!< nodes that were read
   };
 
-  /*! Calls visit(type,offset) for blocks in the order of the file. Returns the tree's first error. */
+  /*! Calls visit(type,offset) for each block in the order of the file. Returns the tree's first error. */
   template<typename Visit>
   Reason forEachBlock (const FileGeometry& record, const char* tree, const Visit& visit)
   {

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* A file that is written next to its final path, and renamed when complete. A lock distinguishes it from files of
- * killed processes. Depends only on POSIX, for programs. */
+/* A file that is written next to its final path, and renamed when complete: readers never see a part of it. A lock
+ * distinguishes it from files of killed processes. Depends only on POSIX, so that programs can include it without the
+ * codec. */
 
 #include "output_path.h"
 #include <algorithm>
@@ -45,7 +46,8 @@ namespace cvert
     sigset_t signal, before;
   };
 
-  /*! put(data,bytes,done): a system call that may write fewer bytes. Returns 0 or an errno. */
+  /*! Writes all bytes. put(data,bytes,done): a system call that may write fewer bytes; done: bytes written before.
+   *  Returns 0 or an errno. */
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
@@ -106,9 +108,12 @@ namespace cvert
 
     int descriptor () const { return file; } //!< -1 after commit
     const std::string& path () const { return name; }
+
+    /*! isKept: the destructor does not remove the file. */
     void keep (bool isKept) { keeps = isKept; }
 
-    /*! Copies permissions, and the owner if permitted, of the file that this one replaces. */
+    /*! Copies permissions, and the owner if permitted, of the file that this one replaces. The set-user-ID,
+     *  set-group-ID and sticky bits (07000) are only copied with the group. */
     void copyPermissions ()
     {
       if (place.kind != OutputPath::REGULAR) return;
@@ -118,8 +123,8 @@ namespace cvert
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
     }
 
-    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the file. Throws
-     *  std::system_error without renaming. */
+    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the file. If it throws
+     *  std::system_error, the file was not renamed. */
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
@@ -142,7 +147,7 @@ namespace cvert
         if (errno == EEXIST) return false;
         throwErrno(errno);
       }
-      // ignored by file systems without locks
+      // other errors are ignored: some file systems have no locks
       const int error = ::flock(opened,LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
       if ((error == EWOULDBLOCK && !(flags & O_EXCL)) || !isNamed(opened,path) || error == EWOULDBLOCK) {
         ::close(opened);
@@ -160,14 +165,15 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! The final name. If `more` bytes would not fit after it, it is cut and followed by its checksum. */
+    /*! Returns the final name, to which the caller appends `more` bytes. If the result would be too long, cuts the name
+     *  and appends its hash. */
     std::string fitted (size_t more) const
     {
       const std::string all = fileNameOf(place.path);
       const long limit = ::pathconf(folderOf(place.path).c_str(),_PC_NAME_MAX);
       const size_t most = limit > 0 ? size_t(limit) : NAME_MAX;
       if (all.size()+more <= most) return all;
-      uint64_t sum = 0xcbf29ce484222325; // FNV-1a
+      uint64_t sum = 0xcbf29ce484222325; // FNV-1a hash
       for (char c : all) sum = (sum ^ (unsigned char)c)*0x100000001b3;
       size_t left = most > more+17 ? std::min(all.size(),most-more-17) : 0;
       while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // keeps UTF-8 characters whole
@@ -187,7 +193,7 @@ namespace cvert
       return digitsOf((uint64_t(random()) << 32) | random());
     }
 
-    /*! With names of `begin` and random digits, if unlocked. */
+    /*! Removes unlocked files whose names are `begin` and 16 digits: their writers were killed. */
     void removeStale (const std::string& folder, const std::string& begin) const
     {
       DIR* const entries = ::opendir(folder.c_str());

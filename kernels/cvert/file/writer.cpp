@@ -86,7 +86,7 @@ namespace cvert
   {
     if (!file || !keeps) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
-    catch (...) {} // the file still contains everything saved before
+    catch (...) {} // the file still contains what the header on the disk refers to
     file->keep(saved != 0);
   }
 
@@ -110,7 +110,7 @@ namespace cvert
     const FileHeader none = FileHeader();
     if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
     {
-      // nothing was saved in it, unless it is another kind of file
+      // the previous writer saved nothing, unless the file is short and of another kind
       if (memcmp(&header,&none,sizeof(none)) != 0) reject("is not a file of compressed surfaces");
       if (::ftruncate(part,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
@@ -163,7 +163,7 @@ namespace cvert
   uint32_t FileWriter::numberOf (const FileGeometry& record)
   {
     // Depends only on contents: the same surfaces produce the same file, other files most likely differ.
-    const uint32_t count = firstFileNumber-1; // ~0u is reserved
+    const uint32_t count = firstFileNumber-1; // -1 because a moving surface would have ~0u, which is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
     return number | firstFileNumber | (record.form == FILE_MOVING ? movingSurface : 0);
@@ -218,7 +218,7 @@ namespace cvert
       piece.resize(begin + ((block.bytes + blockAlignment-1) & ~size_t(blockAlignment-1)));
       memcpy(piece.data()+begin,block.data,block.bytes);
       memcpy(piece.data()+begin+block.surface,&surface.record.surface,sizeof(surface.record.surface));
-      if (piece.size() >= size_t(1) << 20) flush();
+      if (piece.size() >= size_t(1) << 20) flush(); // writes of about 1 MiB
     }
     flush();
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes a file of compressed surfaces, which replaces an existing file in one step when complete. */
+/* Writes a file of compressed surfaces (format.h), which replaces an existing file in one step when complete. */
 
 #include "../basics/reason.h"
 #include "format.h"
@@ -15,6 +15,7 @@
 
 namespace cvert
 {
+  /*! A geometry to write: its record, tree and blocks. */
   class FileSurface
   {
   public:
@@ -22,7 +23,7 @@ namespace cvert
      *  optionally, statistics; the writer sets the rest. */
     FileGeometry record = FileGeometry();
 
-    std::vector<char> tree;  //!< FileNode or FileEntry, by record.form
+    std::vector<char> tree;  //!< array of FileNode (FILE_TREE) or FileEntry (FILE_LIST and FILE_MOVING)
 
     struct Block
     {
@@ -32,8 +33,9 @@ namespace cvert
     };
     std::vector<Block> blocks;
 
-    /*! type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset of the surface
-     *  number in the block. Returns the child that refers to the block. */
+    /*! Appends a block, which must remain valid until the surface is written. type: FILE_FRAMED, FILE_VERT,
+     *  FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset of the surface number in the block. Returns the
+     *  child that refers to the block, to store in a FileNode or FileEntry. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
 
     /*! Appends a cVERT block to a list, and extends the record's bounds by its vertices. Throws Error if record.form is
@@ -66,8 +68,11 @@ namespace cvert
     FileWriter (const FileWriter&) = delete;
     FileWriter& operator= (const FileWriter&) = delete;
 
+    /*! Throws Error if the file was committed or could not be written earlier. */
     void requireOpen () const;
 
+    /*! Writes a geometry. Sets the members of its record that the caller does not set. Throws Error if the record is
+     *  invalid or writing fails. Does not validate blocks. */
     void add (FileSurface& surface);
 
     /*! Flushes the file and renames it to its path. */
@@ -77,15 +82,19 @@ namespace cvert
     size_t size () const { return directory.size(); }
 
   private:
-    /*! may be lost if the process ends */
+    /*! A writer with a key stores the directory whenever it has written so many bytes, in add(). If the process is
+     *  killed, about so many are lost. */
     static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
-    /*! ending: suffix of a file that another writer may continue, else empty */
+    /*! ending: suffix of the unfinished file if another writer may continue it, else empty. */
     void open (const std::string& ending);
+
     void begin ();
+
+    /*! Continues the geometries of an earlier writer, or starts an empty file if there are none. */
     void resume ();
 
-    /*! Flushes before it writes the header that refers to the directory. */
+    /*! Appends the directory, and writes the header that refers to it. Flushes in between if the writer has a key. */
     void writeDirectory ();
 
     void writeBlocks (FileSurface& surface);
@@ -94,6 +103,7 @@ namespace cvert
     [[noreturn]] void fail (const std::string& what);
     [[noreturn]] void failToWrite (int error);
 
+    /*! Chooses a geometry's surface number, which is unique in the file. */
     uint32_t numberOf (const FileGeometry& record);
 
     const std::string path;
@@ -101,9 +111,9 @@ namespace cvert
     const bool keeps;                     //!< keeps the file without commit
     bool failed = false;
     uint64_t key = 0;
-    uint64_t at = 0, saved = 0;           //!< written, and covered by the header on the disk
+    uint64_t at = 0, saved = 0;           //!< bytes that are written, and bytes that the header on the disk covers
     uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
-    std::set<uint32_t> numbers;
+    std::set<uint32_t> numbers;           //!< used surface numbers, without their two highest bits
   };
 }

@@ -1,7 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A cVERT block: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. Layout:
+/* A cVERT block: up to 16 x 16 quads of a patch, in up to 4 x 4 groups of 4 x 4 quads. A patch is a face of a cage, a
+ * part of such a face, a grid, or a rectangle of a mesh's quads. docs/formats/block.md specifies the format. Encoders
+ * write blocks, validate.h checks them, and decoders on CPUs and GPUs read them by the functions of this file. Layout:
  *
  *   header | edges of the patch, or numbers of quads | word of remainders | margins of groups | words of groups |
  *   fields of the first cell | fields of groups | remainders | table of numbers
@@ -39,12 +41,13 @@ CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 /*! Decoders will always read versions from this one on. */
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
-/*! That decoders may read after a block. */
+/*! Number of bytes after a block that decoders may read. Owners of blocks must keep these bytes readable. */
 CVERT_CONSTANT uint32_t readPastVert = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this
+/*! Number of blocks along a side of a patch with `quads` quads. */
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
@@ -55,16 +58,16 @@ CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
 CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< per axis; the precision of a float
 CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< special value for a number of bits
 CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< largest margin in steps, see marginShift
-CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y, z, then upper x, y, z
+CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< per group of a raw block: lower x, y, z, then upper x, y, z
 
 struct VertHeader
 {
   float origin[3];        //!< position of coordinates (0,0,0)
-  uint32_t reach;         //!< bounds, 8 bits each: see reachStep
-  uint32_t surface;       //!< see limits.h
-  uint32_t primID;        //!< or base of the numbers of quads, see quad_numbers.h
-  uint32_t region;        //!< size and position: see the accessors
-  uint32_t patchQuads;    //!< of the patch along u and v, minus 1, 16 bits each; or the form of numbers
+  uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
+  uint32_t surface;       //!< number of the surface, see limits.h
+  uint32_t primID;        //!< primitive of the patch, or base of the numbers of quads (quad_numbers.h)
+  uint32_t region;        //!< size of the block and position in its patch: see vertRegion
+  uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
   uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
@@ -74,7 +77,7 @@ struct VertHeader
 };
 CVERT_READABLE(VertHeader,16)
 
-/*! x, y: first quad of the block in the patch, multiples of vertBlockQuads. */
+/*! quadsX, quadsY: size of the block, 1 to 16. x, y: its first quad in the patch, multiples of vertBlockQuads. */
 CBVH_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
@@ -87,13 +90,13 @@ CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (qu
 CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
 CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
-/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate minus 1, which
- *  may be less than the patch's quads. The upper 4 bits of the first two are the face parameters u and v at the patch's
- *  corner, in halves. Stored after the header, with bit 29 of boxForm set, if the patch does not begin at its face's
- *  corner or the block touches an edge of a lower rate. */
+/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the edge's rate minus 1.
+ *  The rate is at most the number of the patch's quads along the edge. The upper 4 bits of the first two are the face
+ *  parameters u and v at the patch's corner, in halves. The block stores VertEdges after the header, and sets bit 29 of
+ *  boxForm, if the patch does not begin at its face's corner or if the block touches an edge of a lower rate. */
 struct VertEdges
 {
-  uint32_t low, high; //!< first two edges, other two
+  uint32_t low, high; //!< edges v = 0 and u = 1, edges v = 1 and u = 0
 };
 CVERT_READABLE(VertEdges,4)
 
@@ -113,7 +116,7 @@ CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
 CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
-/*! Follows the header, and edges or numbers. */
+/*! Time steps of a moving block. Follows the header, and VertEdges or VertNumbers if present. */
 struct VertMotion
 {
   float begin, end;  //!< times of the first and last step
@@ -125,13 +128,15 @@ CVERT_READABLE(VertMotion,4)
 
 CBVH_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
+/*! Byte offset of VertMotion if the block moves. */
 CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
+/*! Number of groups along a side of a block with `quads` quads. */
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! quads: in the row or column of group g. */
+/*! Number of quads along a side of group g. quads: along the same side of the block. */
 CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
@@ -142,10 +147,11 @@ CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
  *
  *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the block's slopes. Shifts, axis and slopes have the bit positions of bits, main
- * axis and slopes in a cell's word. */
+ * which is constant on a plane with the block's slopes. boxForm stores the shifts of margins, the axis m and the slopes
+ * in the bits in which a cell's word stores numbers of bits, main axis and slopes, so that the accessors of cell.h
+ * apply to both. */
 
-/*! Margins on an axis are multiples of 2^marginShift. */
+/*! Margins on an axis are multiples of 2^marginShift coordinates. */
 CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
 
 CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
@@ -153,9 +159,12 @@ CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
 /*! Slope of axis m+i (i = 1 or 2), in 1/16. */
 CBVH_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
-/*! Unit of a block's reach, in coordinates. Bits 0..7 and 8..15 of the reach are the upper bounds on the axes m+1 and
- *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, bound the sheared coordinate. */
+/*! Unit of VertHeader::reach, in coordinates. Bits 0..7 and 8..15 of reach are the upper bounds on the axes m+1 and
+ *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
+ *  coordinate. */
 CBVH_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+
+/*! Byte i of reach, in units of reachStep. */
 CBVH_FUNCTION int reachOf (uint32_t reach, int i)
 {
   int bits = int((reach >> (8*i)) & 255u);
@@ -170,12 +179,12 @@ CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3
  *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: bit i of the exponent on z
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
-/*! Bit `at` (14 or 15) of both values in a word. */
+/*! Returns bit `at` (14 or 15) of both values in a word of corners, the lower value's first. */
 CBVH_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
   return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
 }
 
-/*! Bit `at` of the 8 values in four words. */
+/*! Returns bit `at` of the 8 values in four words, the first value's in bit 0. */
 CBVH_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
@@ -188,10 +197,10 @@ CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
 }
 
-/*! Powers of two, stored as exponents of floats. */
+/*! Spacings of the block's lattice on x, y and z: powers of two, stored as biased exponents of floats. */
 struct VertSpacing { float at[3]; };
 
-/*! word: of the first cell. c0 to c3: words of corners. */
+/*! word: of the first cell. c0 to c3: the first four words of corners. */
 CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
 {
   VertSpacing spacing;
@@ -201,8 +210,8 @@ CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, 
   return spacing;
 }
 
-/*! Bounds of a block relative to its origin: 0 to upper[i] on the axes m+1 and m+2, sheared[0] to sheared[1] for the
- *  sheared coordinate. */
+/*! Bounds of a block relative to its origin, in world units: 0 to upper[i] on the axes m+1 and m+2, sheared[0] to
+ *  sheared[1] for the sheared coordinate. */
 struct BlockReach { float upper[2], sheared[2]; };
 
 /*! step: reachStep. The products are exact. */
@@ -235,7 +244,8 @@ CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! words, wordsHigh: offsets of lower and upper bits. Without hasHighBits, upper bits are 0. */
+/*! Word of group g's cell. words, wordsHigh: byte offsets of the words' lower 16 and upper 8 bits. Without hasHighBits,
+ *  the upper bits are not stored and are 0. */
 CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
                                      uint32_t g)
 {
@@ -243,12 +253,13 @@ CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, ui
   return hasHighBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Offset after the fields of the first `groups` groups. cell, word: of the first cell's fields. */
+/*! Byte offset after the fields of the first `groups` groups. cell: offset of the first cell's fields. word: word of
+ *  the first cell. words: see wordOfGroup. */
 CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
-  // the lower half of a word has the numbers of bits
+  // the lower half of a word contains the numbers of bits
   for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g));
   return end;
 }
@@ -264,18 +275,19 @@ CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 
 CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
-/*! Per vertex on an axis: the bits of a remainder, or 32 for a float. */
+/*! Bits per vertex that the block stores for an axis: the bits of a remainder, or 32 for a float. */
 CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
+/*! Bits per vertex on all axes together. */
 CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
-/*! In bits. vertex: index, row by row. */
+/*! Offset of a vertex's remainder on an axis, in bits from the start of the block. vertex: index, row by row. */
 CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
@@ -286,7 +298,8 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
 
 CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! word: the remainder in the lowest bits. bits: remainderBits, not 0. */
+/*! Adds a remainder to a world coordinate, or returns the float that replaces both. word: contains the remainder in its
+ *  lowest bits. bits: remainderBits, not 0. spacing: of the axis. */
 CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -297,24 +310,25 @@ CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) 
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
-/* In coordinates. margins: the group's byte. */
+/* Distances, in coordinates, by which a group's box exceeds the box of its corners. margins: the group's byte for an
+ * axis. shift: marginShift. */
 CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
 CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
-/* Corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
+/* Accessors of corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
 CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
 CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
 }
 
-/*! In bytes from the start of the block. Groups are stored row by row. */
+/*! Offsets of the block's sections, in bytes from the start of the block. Groups are stored row by row. */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
   uint32_t remainders; //!< the word of remainders, if present
-  uint32_t margins;   //!< axis by axis, a byte per group: lower 4 bits, then upper 4 bits
-  uint32_t words;     //!< lower 16 bits per group
-  uint32_t wordsHigh; //!< upper 8 bits per group
+  uint32_t margins;   //!< axis by axis, a byte per group: lower margin in bits 0..3, upper margin in bits 4..7
+  uint32_t words;     //!< lower 16 bits of each group's word
+  uint32_t wordsHigh; //!< upper 8 bits of each group's word
   uint32_t cell;      //!< fields of the first cell
   /* vertices of a raw block */
   uint32_t vertices;  //!< x, y, z per vertex, row by row
@@ -343,8 +357,8 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 /* If a patch has more quads along an edge than the edge's rate, Embree stitches its border: several vertices coincide
  * with one vertex of the edge. */
 
-/*! Vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate equals quads (no vertex
- *  moves) or is at most maxVertRate, so that the product fits into 32 bits. */
+/*! Returns the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate must equal quads
+ *  (no vertex moves) or be at most maxVertRate, so that the product fits into 32 bits. */
 CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
@@ -357,7 +371,7 @@ CVERT_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_
 
 /* --- parts after the header ------------------------------------------------------------ */
 
-/*! Zero if the block stores no edges. */
+/*! Returns zeros if the block stores no edges. */
 CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
@@ -366,12 +380,13 @@ CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
   return edges;
 }
 
-/*! Requires a block with numbers. */
+/*! Numbers as stored after the header. They may only refer to VertTrianglePairs. Requires a block with numbers. */
 CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
-/*! The distance is 1 if the block does not store it. */
+/*! Numbers of the quads, and the distance between the numbers of a quad's triangles, which is 1 if it is not stored.
+ *  Requires a block with numbers. */
 CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
   VertTrianglePairs halves;
@@ -392,8 +407,8 @@ CBVH_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y, because hits
- *  of a damaged block may lie outside it. */
+/*! Returns the primitive that contains the first or second triangle of quad x, y. Requires a block with numbers. Clamps
+ *  x and y, because hits of a damaged block may lie outside it. */
 CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
   VertTrianglePairs halves = trianglePairsOf(block);
@@ -442,7 +457,7 @@ inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
 }
 
-/*! Bytes of the first step, without numbers of quads and padding. */
+/*! Size of the block of the first step in bytes, without VertTrianglePairs, table of numbers, and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

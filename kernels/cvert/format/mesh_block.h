@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers.
- * docs/formats/mesh_block.md specifies it. Layout:
+/* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers. It
+ * stores meshes that have no rows of quads, and therefore do not fit block.h. docs/formats/mesh_block.md specifies it.
+ * Layout:
  *
  *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
  *
@@ -41,9 +42,9 @@ CVERT_CONSTANT uint32_t maxMeshGroups = 16u;
 CVERT_CONSTANT uint32_t maxGroupTriangles = 32u;
 CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
-CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maximum of all groups together
+CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maxMeshGroups*maxGroupVertices
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< least shift of boxes on an axis whose coordinates count floats
+CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< smallest shift of boxes on an axis that stores ranks
 
 struct MeshHeader
 {
@@ -79,7 +80,7 @@ CBVH_FUNCTION uint32_t meshMarkOfForm () {
     | (kindOfMesh & 8u) << 27;
 }
 
-/* From words 12 and 13 of any block. */
+/* Version and kind of any block, from its words 12 and 13. */
 CBVH_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CBVH_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
@@ -90,7 +91,8 @@ CBVH_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
 /*! True if coordinates on the axis count floats. */
 CBVH_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
-/*! Rank among all floats, by size. 0 has rank 2^31. */
+/*! Position of a float in the sequence of all floats from lowest to highest. Neighboring floats differ by 1. 0 has rank
+ *  2^31. */
 CBVH_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
@@ -100,7 +102,7 @@ CBVH_FUNCTION float floatOfRank (uint32_t rank) {
   return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank);
 }
 
-/*! Planes of boxes are multiples of 2^meshBoxShift. */
+/*! Planes of groups' boxes are multiples of 2^meshBoxShift coordinates. */
 CBVH_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
   return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? leastRankShift : 0u);
 }
@@ -114,7 +116,7 @@ CBVH_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16
  *  the number of its primitive, plus 1 for the second. */
 CVERT_CONSTANT uint32_t meshHasQuads = 1u << 26;
 
-/* number: of a triangle */
+/* number: of a triangle, see meshHasQuads. */
 CBVH_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u ? number >> 1 : number;
 }
@@ -122,17 +124,18 @@ CBVH_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u && (number & 1u) != 0u;
 }
 
-/*! Amount that the shear adds to a coordinate. c1, c2: on the axes m+1 and m+2. Rounds to nearest, halves up. */
+/*! Amount that the shear adds to the coordinate on the sheared axis m. c1, c2: coordinates on the axes m+1 and m+2.
+ *  Rounds to nearest, halves up. */
 CBVH_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
 
-/* MeshHeader::groups describes the byte of a group. Record of a group:
+/* Accessors of a group's byte in MeshHeader::groups (`group`) and of its record (`record`):
  *
  *   bits 0..4      vertices
  *   bits 5..9      vertices that belong to the group
  *   bits 10..14    bits of a primitive number; 31 means 32
- *   bit 15         upper bit of the number of restarts */
+ *   bit 15         upper bit of the number of restarts, which is the number of strips minus 1 */
 
 CBVH_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
 CBVH_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) {
@@ -144,7 +147,7 @@ CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! Bits of a number below `count`. */
+/*! Bits that the numbers below `count` need. */
 CBVH_FUNCTION uint32_t bitsForBelow (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -152,6 +155,7 @@ CBVH_FUNCTION uint32_t bitsForBelow (uint32_t count)
   return bits;
 }
 
+/*! Vertices in a group's stream: each strip begins with a triangle of three vertices. */
 CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
 /* Topology of a group, in this order, lowest bit first. Triangle 0 starts a strip, and the first three vertices of the
@@ -159,19 +163,19 @@ CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { re
  *
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
- *   turns         2 bits per triangle, 0 to 2
+ *   turns         2 bits per triangle, 0 to 2: how the stream's order is rotated, see stripTriangle
  *   news          a bit per vertex of the stream from 3 on: it is new and gets the group's next number
  *   owns          a bit per vertex of the group: it belongs to the group
  *   repeats       for each vertex of the stream that is not new: its number in the group
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, relative to the group's
+  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< bit offsets from the start of the group's topology
   uint32_t repeatBits, otherBits;                             //!< bits per entry
   uint32_t bits;                                               //!< bits of the whole topology
 };
 
-/*! group, record: its byte and record. vertices: of the block */
+/*! group, record: byte and record of the group. vertices: number of vertices of the block. */
 CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
@@ -190,21 +194,21 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
   return at;
 }
 
-/*! Bits of a vertex's field on an axis. extent: of the group's box. */
+/*! Bits of a vertex's field on an axis. extent: stored extent of the group's box on this axis. */
 CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
-/*! Bits of a group's numbers: a base, then a number per triangle. */
+/*! Bits of a group's primitive numbers: a base, then a number per triangle. */
 CBVH_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
 
-/*! In bytes from the start of the block. */
+/*! Offsets of the sections with a fixed size per group, in bytes from the start of the block. */
 struct MeshLayout
 {
   uint32_t records;
-  uint32_t boxes;    //!< a byte per group: lower planes on x, y, z, then extents on x, y, z
+  uint32_t boxes;    //!< six arrays of a byte per group: lower planes on x, y, z, then extents on x, y, z
   uint32_t topology;
 };
 
@@ -220,6 +224,7 @@ CBVH_FUNCTION MeshLayout meshLayout (uint32_t counts)
 
 /* Strips. Masks have a bit per triangle of the group. */
 
+/*! Mask of bits 0 to t. */
 CBVH_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
 
 CBVH_FUNCTION uint32_t countBits (uint32_t mask)
@@ -229,7 +234,7 @@ CBVH_FUNCTION uint32_t countBits (uint32_t mask)
   return (((count + (count >> 4)) & 0x0F0F0F0Fu)*0x01010101u) >> 24;
 }
 
-/*! Requires a mask other than 0. */
+/*! Position of the highest set bit. Requires a mask other than 0. */
 CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
 {
   uint32_t bit = 0u;
@@ -237,10 +242,11 @@ CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! Positions in the stream, in the vertex order of the application's triangle. */
+/*! Positions of a triangle's vertices in the stream, in the order of the application's triangle. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! Bit 0 must be set in restarts and clear in fans. turn: of triangle t. */
+/*! Finds triangle t from the masks alone, without decoding the triangles before it. Bit 0 must be set in restarts and
+ *  clear in fans. turn: of triangle t. */
 CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
@@ -265,7 +271,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! Accepts any version. Reads 56 bytes. */
+/*! Accepts blocks of any version. Reads meshHeaderBytes bytes. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A moving mesh block: a mesh block at its first time step, then its other steps. docs/formats/mesh_motion.md specifies
- * it.
+/* A moving mesh block: a mesh block (mesh_block.h) at its first time step, then its other steps.
+ * docs/formats/mesh_motion.md specifies it.
  *
  *   block of the first step | VertMotion | offsets of steps | step 1 | step 2 | ...
  *
@@ -44,13 +44,14 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline uint32_t stepBaseBits (uint32_t form, uint32_t axis) { return (form >> (12+6*axis)) & 63; }
 
-  /*! record: bits 0..4, 5..9, 10..14: bits on x, y and z; 31 means 32. */
+  /*! Bits of a vertex's field on an axis. record: of the group; its bits 0..4, 5..9 and 10..14 are the numbers for x, y
+   *  and z, where 31 means 32. */
   inline uint32_t stepFieldBits (uint32_t record, uint32_t axis) {
     const uint32_t bits = (record >> (5*axis)) & 31;
     return bits == 31 ? 32 : bits;
   }
 
-  /*! In bytes from the start of the step. */
+  /*! Offsets of the sections, in bytes from the start of the step. */
   struct MeshStepLayout
   {
     uint32_t records, boxes, bases, fields;
@@ -74,13 +75,13 @@ namespace cvert { inline namespace CVERT_ISA
     return record;
   }
 
-  /*! In `counts`. `form` is as in other mesh blocks. */
+  /*! Version and kind in MeshHeader::counts. MeshHeader::form is marked as in other mesh blocks. */
   inline uint32_t movingMeshMarkOfCounts () { return meshMarkOfCounts() | 1u << 15; }
 
-  /*! block: valid. MeshHeader::motion is the offset of its VertMotion, or 0. */
+  /*! Requires a valid block. */
   inline bool isMovingMesh (const MeshHeader* block) { return block->motion != 0; }
 
-  /*! block: must move. */
+  /*! Requires a block that moves. */
   inline VertMotion motionOfMesh (const MeshHeader* block)
   {
     VertMotion motion;
@@ -88,7 +89,7 @@ namespace cvert { inline namespace CVERT_ISA
     return motion;
   }
 
-  /*! step: from 1 on. */
+  /*! step: from 1 to the number of steps minus 1. */
   inline const MeshStep* meshStepOf (const MeshHeader* block, uint32_t step)
   {
     uint32_t offset;
@@ -98,15 +99,16 @@ namespace cvert { inline namespace CVERT_ISA
 
   /* --- prediction --- */
 
-  /*! Exact, but 0 for denormal floats. */
+  /*! Converts a float exactly, except that denormal floats become 0. */
   inline double wideOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
 
-  /*! On an axis. row: of MeshStep::map. p: vertex at the first step. */
+  /*! Predicts a world coordinate. row: row of MeshStep::map for the axis. p: vertex at the first step. */
   inline double predictedPosition (const float row[4], const float p[3]) {
     return ((wideOf(row[0])*wideOf(p[0]) + wideOf(row[1])*wideOf(p[1])) + wideOf(row[2])*wideOf(p[2])) + wideOf(row[3]);
   }
 
-  /*! On an axis, modulo 2^32. origin, spacings: of the step. */
+  /*! Converts a predicted world coordinate to a coordinate of the step, modulo 2^32. origin, spacings: of the step.
+   *  Clamps to +-2^30, so that the conversion to an integer is defined. 1.175e-38 is the smallest normal float. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
     if (hasRanks(spacings,axis))

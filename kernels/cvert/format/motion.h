@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A moving block of cVERT: a block at its first time step as in block.h, then all other steps.
+/* A moving block of cVERT: a block at its first time step as in block.h, then all other steps. docs/formats/motion.md
+ * specifies it.
  *
  *   block of step 0 with the margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
  *
@@ -42,7 +43,7 @@ struct VertStep
 };
 CVERT_READABLE(VertStep,4)
 
-/* Units of bounds at a segment's beginning and end, see reachStep. */
+/* Units of VertStep::reach and VertStep::endReach, see reachStep. */
 CBVH_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
 CBVH_FUNCTION uint32_t endReachStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
@@ -51,10 +52,10 @@ CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1
 CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
 CBVH_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
-/*! 1 to 7; entries of the matrix are multiples of 2^-rotationShift */
+/*! Entries of the matrix are multiples of 2^-rotationShift, which is 1 to 7 in valid blocks. */
 CBVH_FUNCTION uint32_t rotationShift (uint32_t rotation) { return 7u - ((rotation >> 16) & 7u); }
 
-/*! Signed byte 0 to 3 of a word of entries. */
+/*! Entry of the matrix in byte 0 to 3 of a word, signed. */
 CBVH_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
 
 /*! Product of a row of the matrix and a residual. Rounds to nearest, halves up. */
@@ -62,10 +63,10 @@ CBVH_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uin
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
-/*! True from the first step to the last, inclusive. */
+/*! True if the block exists at this time: from the first step to the last, inclusive. */
 CBVH_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
-/*! Segment of a time, and position in it, 0 to 1, as Embree computes them. */
+/*! The segment that contains a time, and the position in it from 0 to 1. Rounds as Embree does. */
 struct TimeInMotion
 {
   uint32_t segment;
@@ -82,7 +83,7 @@ CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
   return at;
 }
 
-/*! fraction: between the steps a and b, 0 to 1 */
+/*! Interpolates bounds between the steps a and b. fraction: 0 to 1. */
 CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
 {
   float e = 1.0f-fraction;
@@ -94,19 +95,19 @@ CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fractio
   return bounds;
 }
 
-/*! Distance by which planes of boxes must move outwards on an axis between two steps, because vertices, origins and
- *  planes there are rounded by less than 3 times 2^-24 of themselves. a, b: the steps' origins on that axis. extent:
- *  their larger extentOfReach. */
+/*! Distance by which planes of boxes must move outwards on an axis between two steps: interpolated vertices, origins
+ *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b: the
+ *  steps' origins on that axis. extent: the larger extentOfReach of both. */
 CBVH_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
-/*! In bytes from the start of the step. */
+/*! Offsets of the sections, in bytes from the start of the step. As in VertLayout. */
 struct VertStepLayout
 {
   uint32_t remainders;         //!< the word of remainders, if present
   uint32_t margins, words, wordsHigh, cell;
-  uint32_t vertices, rawBytes; //!< of a raw step: offset of its vertices, and size
+  uint32_t vertices, rawBytes; //!< offset of the vertices of a raw step, and size of the step
 };
 
 CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
@@ -123,6 +124,7 @@ CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
+/*! Entry i of the matrix, row by row. */
 CBVH_FUNCTION int rotationEntry (CVERT_IN(VertStep) step, uint32_t i) {
   return i < 8u ? rotationEntry(step.matrix[i >> 2],i & 3u) : rotationEntry(step.rotation,3u);
 }
@@ -140,7 +142,7 @@ static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes
 
 CVERT_BEGIN
 
-/*! Without padding. */
+/*! Size of a later step in bytes, without padding. */
 inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 {
   const VertStepLayout layout = vertStepLayout(region,step->boxForm);
@@ -153,7 +155,7 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
                      groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
-/*! Without padding. */
+/*! Size of a block in bytes, with all steps and the table of numbers, without padding. The block must be valid. */
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const uint32_t form = block->patchQuads;

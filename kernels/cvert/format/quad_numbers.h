@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Primitive numbers of blocks of a quad mesh, or of a triangle mesh whose pairs of triangles form quads. Each quad or
- * triangle is a primitive with its own parameters. A block stores its numbers as one of these patterns:
+/* Primitive numbers of blocks that store a quad mesh, or a triangle mesh whose pairs of triangles form quads. Each quad
+ * or triangle of the mesh is a primitive with its own parameters u and v. A block stores its numbers as one of these
+ * patterns:
  *
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
  *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
@@ -26,14 +27,15 @@ CVERT_BEGIN
 
 struct VertNumbers
 {
-  /* rows: steps. recursive: 8 bits for each bit of x and y. tables: offset from the start of the block, and bits per
-   * quad or triangle. With VertTrianglePairs, x is their offset from the start of the block, and y is 0. */
+  /* rows: differences between neighboring quads along x and along y. recursive: 8 bits for each bit of x and y. tables:
+   * byte offset from the start of the block, and bits per entry. If the block contains VertTrianglePairs, the numbers
+   * after the header are instead their byte offset and 0. */
   uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of a block in which some quad's second triangle does not have the number of the first plus 1. A table of
- *  numbers follows the section. */
+/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. If the pattern is a table, it
+ *  follows this section. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
@@ -62,7 +64,7 @@ CBVH_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { re
 CBVH_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
   : 4)) & 3u; }
 
-/*! Relative to the first quad. Requires a form without table. */
+/*! Number of quad x, y minus VertHeader::primID. Requires a form without table. */
 CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
@@ -82,7 +84,7 @@ CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
-/*! Readers may read 32 bits after the table's end. */
+/*! Size of a table without padding. Readers may read 32 bits after its end. */
 CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
 /*! The primitive that a hit in a quad reports: the quad, or one of its triangles. */
@@ -92,17 +94,18 @@ struct QuadPrimitive
   uint32_t form; //!< of its block, with this triangle's turn
 };
 
-/*! Parameters on a primitive of the application. */
+/*! Parameters of a point on a primitive of the application. */
 struct OwnParameters { float u, v; };
 
-/*! Converts the parameters a, b of a quad. form: see QuadPrimitive. */
+/*! Converts the position a, b in a quad to parameters of the quad or triangle that the application passed. form: see
+ *  QuadPrimitive. */
 CBVH_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
 {
   OwnParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleForm(form)) return parameters;
-  // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
+  // weights of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
   uint32_t turn = firstCornerOfTriangle(form,isSecond);

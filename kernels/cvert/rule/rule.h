@@ -34,24 +34,25 @@ CVERT_BEGIN
 
 /* --- boxes --------------------------------------------------------------------------- */
 
-/*! Bound of the total rounding error of sheared vertices, boxes and a ray's distances to them, in ulps: 1/2 for a
- *  difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders, quotients have errors of up to
- *  2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each distance. */
+/*! Bound of the total rounding error of sheared vertices, boxes and a ray's distances to them, in units of floatUlp:
+ *  1/2 for a difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders, quotients have errors
+ *  of up to 2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each distance. */
 #ifdef VULKAN
 CVERT_CONSTANT float slackUlps = 14.0f;
 #else
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! For the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
+/*! The same for the sheared coordinate (block.h), in which the ray's origin and direction are sums of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
-/*! Outward offset of planes on a world axis. extent: at least the block's extent from its origin. */
+/*! Distance by which planes on a world axis move outwards. org: the ray's origin on this axis. origin: the block's.
+ *  extent: at least the block's extent from its origin, see extentOfReach. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }
 
-/*! Ray along the sheared coordinate, relative to the block's origin. */
+/*! Sheared coordinate of a ray's origin, relative to the block's origin, and of its direction. */
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
@@ -65,7 +66,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the contribution of a world axis. */
+/*! Adds the contribution of a world axis. org, dir: the ray on this axis. origin: the block's. shear: shearOf. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -76,17 +77,18 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
   return sum;
 }
 
-/*! Outward offset of sheared planes. size: ShearedCoordinate::size. */
+/*! Distance by which sheared planes move outwards. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! i = 0 for the sheared axis m, 1 and 2 for the next axes. */
+/*! Factor of world axis m+i in the sheared coordinate, where m is the sheared axis. */
 CBVH_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
 CVERT_REAL struct RayInterval { Real from, to; };
 
-/*! lower, upper: planes relative to the ray's origin. rcp: directionReciprocal. */
+/*! Clips a ray to the space between two planes. lower, upper: planes relative to the ray's origin. rcp:
+ *  directionReciprocal. */
 CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) interval, Real lower, Real upper, Real rcp)
 {
   Real a = lower*rcp, b = upper*rcp;
@@ -113,19 +115,19 @@ CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
   return side;
 }
 
-/*! True if the ray is on the same side of three edges, or on some of them. Conservative: never false if the triangle
- *  contains the ray. */
+/*! True if the ray is on the same side of three edges, or on some of them. Conservative, because a side may have
+ *  rounded to 0: never false if the ray passes through the triangle. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
-/*! Weights of the vertices opposite of the edges. */
+/*! Sides of the three edges. Divided by their sum, they are the barycentric weights of the opposite vertices. */
 CVERT_REAL struct TriangleSides
 {
   Real w0, w1, w2, sum;
 };
 
-/*! a, b, c: sheared vertices */
+/*! a, b, c: vertices in the sheared space, relative to the ray. */
 CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay, Real bx, Real by, Real cx, Real cy)
 {
   CVERT_OF(TriangleSides) sides;
@@ -196,6 +198,7 @@ CBVH_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
   return 0;
 }
 
+/*! Sign of ax by - ay bx, by integer arithmetic. The arguments must be finite. */
 CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 {
   ExactProduct p = exactProduct(ax,by), q = exactProduct(ay,bx);
@@ -204,7 +207,7 @@ CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
-/*! In doubles, products of floats are exact. */
+/*! The same result: in doubles, products of floats are exact. */
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
@@ -214,8 +217,9 @@ CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! Decides by exact signs. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a
- *  line, which other triangles cover. */
+/*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy isInside but not areCertain.
+ *  A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line, which other
+ *  triangles cover. */
 CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
@@ -227,8 +231,8 @@ CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, f
 
 /* --- distance ------------------------------------------------------------------------ */
 
-/*! Vertices: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at most 28.
- *  Distances come from the plane, because a needle's weights have larger errors than its plane. */
+/*! Vertices of a triangle: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at
+ *  most 28. Distances are computed from the plane, because the weights of needles have larger errors. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
 /*! Cross product of the edges from the first vertex; 0 for a line. */
@@ -254,8 +258,8 @@ CVERT_CONSTANT float minCosine = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
 {
-  Wide t;            //!< infinite or NaN if the ray is parallel
-  Wide speed, least; //!< n d, and the largest |n d| of a ray in the plane
+  Wide t;            //!< distance; infinite or NaN if the ray is parallel to the plane
+  Wide speed, least; //!< n d (normal times direction); up to which |n d| the ray counts as lying in the plane
 };
 
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_OF_WIDE(WideTriangle) triangle,
@@ -276,11 +280,11 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
   return at;
 }
 
-/*! Along a ray: a triangle's nearest and farthest vertex. */
+/*! Distances of a triangle's nearest and farthest vertex along a ray. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! Parameters are components on the axis of the ray's largest component. Division is monotonic: it is enough to divide
- *  the lowest and highest difference. */
+/*! The arguments are components on the axis on which the direction is largest. z0, z1, z2: of the vertices. Division is
+ *  monotonic, so only the lowest and the highest difference are divided. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
@@ -302,7 +306,7 @@ CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneInt
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
-/*! Where a ray is nearest to the longest edge. */
+/*! Distance along the ray at which it is nearest to the triangle's longest edge. */
 CVERT_WIDE CBVH_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
@@ -341,12 +345,14 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangl
 
 /* --- nearest hit --------------------------------------------------------------------- */
 
-/* results of placeOfHit */
+/* Results of placeOfHit. */
 CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
 CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
 CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
 
-/*! tfar: end of the ray, or distance of its nearest hit. isHitDistance: tfar is the distance of a cVERT hit. */
+/*! Decides if a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit. isHitDistance:
+ *  tfar is the distance of a cVERT hit. It has then been rounded to float, and the distance is compared as a float,
+ *  too. */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
@@ -355,7 +361,7 @@ CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
 
-/*! Identifies a triangle of a scene. */
+/*! Identifies a triangle of a scene or an instance, for the order of hits at the same distance. */
 struct TriangleKey
 {
   uint32_t geomID, primID;
@@ -364,7 +370,8 @@ struct TriangleKey
                        //!< + 1 for the second triangle of the quad
 };
 
-/*! The first of hits at the same distance counts, so that results do not depend on the order of blocks. */
+/*! True if a hit in triangle a counts instead of a hit in triangle b at the same distance. Results therefore do not
+ *  depend on the order in which blocks are tested. */
 CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
@@ -372,7 +379,8 @@ CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! column + 2 row, at a vertex of triangle h of a group. */
+/*! Corner (column + 2 row) of the quad at a vertex of triangle h of a group. h: 2 (column + 4 row) of the quad in the
+ *  group, + 1 for the second triangle. */
 CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
@@ -385,7 +393,7 @@ CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! 0 to 1 along u and v */
+/*! Position in a quad, 0 to 1 along each side. */
 CVERT_REAL struct QuadPosition { Real a, b; };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(TriangleSides) sides, CVERT_BOOL(Real) isSecond)
@@ -398,21 +406,23 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
   return position;
 }
 
-/*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the diagonal's middle belongs to both triangles. */
+/*! Clamps to 0 to 1. The NaN of a sliver, whose sides all rounded to 0, becomes 1/2: the diagonal's middle belongs to
+ *  both triangles. */
 CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
-/*! At position a of quad x of `quads` along the patch. corner: of the patch, in halves. */
+/*! Face parameter at position a (0 to 1) of quad x. quads: of the patch in this direction. corner: face parameter of
+ *  the patch's corner, in halves. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
   return Real(0.5f*float(corner)) + greater((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
 }
 
-/* In the patch, of the group in a lane. */
+/* First quad, in the patch, of a group. lane: column + 4 row of the group in the block, its lane in SIMD code. */
 CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
 CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
-/*! An edge has a lower rate than the patch has quads. Requires a block with edges. */
+/*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
 CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -431,8 +441,8 @@ CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t
 
 struct FaceParameters { float u, v; };
 
-/*! At position (a,b) of a quad that isAtLowerEdge: barycentric interpolation of the parameters of vertices, which
- *  Embree stitches there. */
+/*! Face parameters at position (a,b) of a quad for which isAtLowerEdge is true. Interpolates the vertices' parameters
+ *  with barycentric weights, because Embree stitches vertices there. */
 CBVH_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
@@ -454,13 +464,14 @@ CBVH_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdg
   return parameters;
 }
 
+/*! Primitive and parameters that a hit reports. */
 struct SurfacePoint
 {
   uint32_t primID;
   float u, v;
 };
 
-/*! For blocks with numbers of quads. h: triangle of the group in a lane. */
+/*! For blocks with numbers of quads. lane: of the group, see firstQuadX. h: triangle, see cornerOfTriangle. */
 CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                                CVERT_AS_FLOAT(QuadPosition) at)
 {

@@ -18,16 +18,17 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPast = 16;               // bytes after a block; shaders read whole words
+constexpr size_t readPast = 16;               // bytes after a block that shaders may read, as they read whole words
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
   return block.type == blockReference(kindVert) || block.type == movingBlockReference;
 }
 
-/* Shaders may read beyond the block's end. */
+/* True if shaders may read beyond the block's end. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
 
+/* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
 void requireValid(const FlatBlock& block)
 {
   if (block.type == cellReference) return;
@@ -47,7 +48,8 @@ void requireValid(const FlatBlock& block)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
-/* The bytes to upload. Grids are uploaded without their trees, which are part of the scene's tree. */
+/* The bytes of a block to upload. Grids are uploaded without the trees that Embree stores in them, because the scene's
+ * tree contains their nodes. */
 struct Source
 {
   uint32_t header[gridDataWord];
@@ -76,7 +78,7 @@ size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
   return bytes;
 }
 
-/* Uploads blocks to consecutive buffers for `expected` bytes in total. */
+/* Uploads blocks one after the other to as few buffers as possible. expected: bytes of all blocks. */
 class BlockWriter
 {
 public:
@@ -112,7 +114,8 @@ private:
   size_t rest, used = 0, end = 0;
 };
 
-/* Uploads each block once, even if the scene contains the surface directly and in an instanced scene. */
+/* Uploads the blocks of a surface. Uploads each block once, even if the scene contains the surface both directly and in
+ * an instanced scene. */
 std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
 {
   const auto surface = std::make_shared<UploadedSurface>();
@@ -221,7 +224,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
   BlockWriter writer(device, uploader, smallBytes);
   for (const auto& build : small) surfaces[build.first] = writeSurface(writer, build.second);
 
-  uploader.flush(); // other scenes may use surfaces as soon as they are added
+  uploader.flush(); // before adding surfaces: scenes on other threads may use them at once
   for (const auto& surface : surfaces) {
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);

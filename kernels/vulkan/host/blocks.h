@@ -3,14 +3,15 @@
 
 #pragma once
 
-/* Blocks in device memory. Scenes share the uploaded blocks of a compressed surface until it is rebuilt. Other blocks
- * belong to the scene that uploads them. */
+/* Blocks in device memory. Scenes on a device share the uploaded blocks of a compressed surface until it is rebuilt.
+ * The other blocks belong to the scene that uploads or imports them. */
 
 #include "memory.h"
 #include "kernels/cbvh/flat/flat_scene.h"
 
 namespace embree { namespace vulkan {
 
+/* A block of a scene, and its address on the device. */
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;
@@ -18,7 +19,7 @@ struct PlacedBlock
   VkDeviceAddress address = 0;
 };
 
-/* One build of a surface. */
+/* The blocks of one build of a surface (FlatGeometry::build) on a device. */
 struct UploadedSurface
 {
   struct Place { const void* data; VkDeviceAddress address; };
@@ -40,10 +41,10 @@ struct BlockBuffers
   size_t bytes() const;   // counts shared buffers once
 };
 
-/* Both functions set the addresses. They validate each block that is new to the device, and throw VulkanError if it is
- * damaged, because shaders do not check offsets. */
+/* Both functions set the addresses of `blocks`. They validate each block that is new to the device, and throw
+ * VulkanError if it is damaged, because shaders do not check offsets. */
 
-/* Imports host memory without a copy. */
+/* Imports the host memory that contains the blocks, without a copy. The scene must keep this memory alive. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 
 /* Uploads blocks that are not on the device yet. */

@@ -219,7 +219,7 @@ bool Device::isDone(const Submission& submission) const
   return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY;
 }
 
-/* A wait may fail because the host is out of memory, while the device still uses the fence, the commands and the
+/* Waiting can fail because the host is out of memory, while the device still uses the fence, the commands and the
  * caller's buffers. This function therefore retries until the device is done or lost. */
 void Device::waitAndFree(const Submission& submission)
 {
@@ -249,7 +249,7 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 VkPipeline Device::pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // NULL until compile succeeds
+  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // NULL if not compiled yet
   if (found) return found;
 
   const Code code = codeOf(query, byQuery, handles.hasFloat64);
@@ -291,7 +291,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   return pipeline;
 }
 
-/* File that keeps compiled pipelines between runs, or "" without a cache folder. */
+/* Path of the file that keeps compiled pipelines between runs of programs, or "" if there is no cache folder. */
 std::string Device::cachePath() const
 {
   const char* folder = std::getenv("XDG_CACHE_HOME");
@@ -304,7 +304,7 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
-/* FNV-1a. Drivers may crash on truncated or damaged caches. */
+/* FNV-1a hash, which detects truncated and damaged cache files: drivers may crash on them. */
 uint64_t Device::checksum(const std::vector<char>& data)
 {
   uint64_t sum = 0xcbf29ce484222325;
@@ -349,7 +349,7 @@ void Device::writeCache() const
     const int error = cvert::writeAll(file.descriptor(), &sum, sizeof(sum));
     if (!error && cvert::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
   }
-  catch (const std::exception&) {} // then the next run compiles again
+  catch (const std::exception&) {} // not an error: the next run compiles again
 }
 
 }} // namespace embree::vulkan

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An open Vulkan device with queue, command pool and pipelines. */
+/* An open Vulkan device with queue, command pool and pipelines: what RTCVulkanDevice refers to. */
 
 #include "opening.h"
 #include "structures.h"
@@ -19,7 +19,7 @@ namespace embree { namespace vulkan {
 
 enum Query { CLOSEST_HIT, ANY_HIT };
 
-/* Reference-counted, from 1. */
+/* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
 class Shared
 {
 public:
@@ -33,6 +33,7 @@ private:
   std::atomic<size_t> users{1};
 };
 
+/* Owns a reference to a Shared object. */
 template<typename T>
 class Held
 {
@@ -50,25 +51,31 @@ private:
 class Device : public Shared
 {
 public:
+  /* Opens a device. which: see rtcNewVulkanDevice. */
   Device(RTCDevice embree, const char* which);
+
+  /* Uses a device that the application opened and continues to own. */
   Device(RTCDevice embree, const RTCVulkanHandles& handles);
 
+  /* Submits the commands that record() records, and waits for them. */
   void run(const std::function<void(VkCommandBuffer)>& record);
 
+  /* Commands that the device executes. The caller must pass each submission to waitAndFree. */
   struct Submission
   {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
   };
+  /* record() must not call functions of this object that submit commands or compile pipelines: the mutex is locked. */
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
   bool isDone(const Submission& submission) const;
 
-  /* Frees a submission, after it is done or the device is lost. */
+  /* Waits until a submission is done or the device is lost, and frees it. Never throws. */
   void waitAndFree(const Submission& submission);
 
-  /* Pipeline for scenes with these kinds of leaves, compiled on the first call. byQuery: ray queries instead of a stack
-   * of stackSize entries. */
+  /* Pipeline of trace.comp, compiled on the first call. kinds: mask of the types of references in the scene, to which
+   * the shader is specialized. byQuery: true for ray queries, otherwise traversal uses a stack of stackSize entries. */
   VkPipeline pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
@@ -103,13 +110,14 @@ private:
   VkPipeline orderPipelines[4] = {};
 };
 
-/* Push constants of trace.comp. order: 0 if rays are not sorted. */
+/* Push constants of trace.comp. order: pairs of ray_order.comp, or 0 if rays are not sorted. */
 struct TraceArguments
 {
   VkDeviceAddress scene, rays, order;
   uint32_t first, count;
 };
 
+/* Push constants of ray_order.comp. */
 struct OrderArguments
 {
   VkDeviceAddress rays, from, to, counts, scene;

@@ -12,6 +12,7 @@
 
 namespace embree { namespace vulkan {
 
+/* code: RTC_ERROR_NONE if the RTCDevice already received the error. */
 class VulkanError : public std::runtime_error
 {
 public:

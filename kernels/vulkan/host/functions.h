@@ -29,7 +29,7 @@ namespace embree { namespace vulkan {
   F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) \
   F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
 
-/* NULL without VK_KHR_acceleration_structure. */
+/* NULL unless the device was opened with VK_KHR_acceleration_structure. */
 #define CBVH_STRUCTURE_FUNCTIONS(F) \
   F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
   F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
@@ -64,7 +64,7 @@ struct DeviceFunctions
 {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
   CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
-  /* NULL without VK_EXT_external_memory_host */
+  /* NULL unless the device was opened with VK_EXT_external_memory_host. */
   PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr;
 
   DeviceFunctions() = default;
@@ -87,7 +87,8 @@ struct DeviceFunctions
 
 #undef CBVH_DECLARE
 
-/* Throws VulkanError if `result` is an error. doing: the action, for the message: "creating a fence". */
+/* Throws VulkanError if `result` is an error. doing: what was being done, for the message, for example "creating a
+ * fence". */
 void check(VkResult result, const std::string& doing);
 
 }} // namespace embree::vulkan

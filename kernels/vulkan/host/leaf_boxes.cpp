@@ -32,7 +32,7 @@ Bounds boundsOfChild(const FlatNode& node, int child)
   return out;
 }
 
-/* Bounds over the child's time interval. Its ends suffice, because planes move linearly. */
+/* Bounds over the child's time interval. Both ends of the interval suffice, because planes move linearly. */
 Bounds boundsOfChild(const FlatMovingNode& node, int child)
 {
   Bounds out = Bounds::empty();
@@ -46,6 +46,7 @@ Bounds boundsOfChild(const FlatMovingNode& node, int child)
   return out;
 }
 
+/* Collects the leaves below a reference and their boxes. */
 class Leaves
 {
 public:
@@ -80,7 +81,7 @@ private:
   std::vector<std::pair<uint32_t, Bounds>> found;
 };
 
-/* Bit i to bit 3i, for 21 bits. */
+/* Moves bit i to bit 3i, for the lower 21 bits, to interleave three coordinates. */
 uint64_t spread(uint64_t x)
 {
   x &= 0x1FFFFF;
@@ -91,9 +92,9 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* Bound of a driver's rounding errors. (plane - origin)/direction in floats has three roundings, so a plane at distance
- * D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for rays that start 20 times as far away, with
- * a margin for transforming the ray. */
+/* Distance by which boxes must grow because drivers round when they test boxes. (plane - origin)/direction in floats
+ * has three roundings, so a plane at distance D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for
+ * rays that start 20 times as far away, with a margin for transforming the ray. */
 float widthOfErrors(const Bounds& all)
 {
   float largest = 0;
@@ -108,7 +109,8 @@ Bounds boundsOf(const std::vector<LeafBox>& boxes)
   return all;
 }
 
-/* Ties are ordered by reference, for determinism. */
+/* Sorts boxes by the Morton codes of their centers, so that neighboring boxes are close in space. Boxes with equal
+ * codes are ordered by reference, so that the result is deterministic. all: bounds of the boxes. */
 void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 {
   std::vector<std::pair<uint64_t, LeafBox>> order;

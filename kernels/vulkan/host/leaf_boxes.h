@@ -15,18 +15,20 @@ namespace embree { namespace vulkan {
 
 using cbvh::LeafBox;
 
+/* Boxes of the leaves of one geometry. */
 struct LeafBoxes
 {
-  uint32_t geomID;              // all bits set for triangle meshes, whose leaves mix geometries
+  uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangle meshes, because a leaf may contain several
   std::vector<LeafBox> boxes;   // in Morton order
 
-  /* The boxes after `place`, enlarged by rounding errors of drivers. */
+  /* The boxes as input of a driver's build: transformed by `place`, and enlarged for the rounding errors of drivers. */
   std::vector<VkAabbPositionsKHR> forDriver(const std::function<Bounds(const Bounds&)>& place) const;
 };
 
+/* Key that identifies equal arrays of boxes: their number and a hash. */
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
-/* Leaves below a subtree, each once, without instances. geomIDOf: geomID of a reference. */
+/* Leaves below a subtree, each once, without instances. geomIDOf: returns the geomID for a reference to a leaf. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);
 

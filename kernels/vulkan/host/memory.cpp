@@ -10,7 +10,8 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* The allowed memory type with all needed and most liked flags. Throws VulkanError if there is none. */
+/* Returns the allowed memory type that has all needed flags and the most liked flags. Throws VulkanError if there is
+ * none. allowed: mask of types. what: for the message. */
 uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed,
                     VkMemoryPropertyFlags liked, const char* what)
 {
@@ -194,7 +195,7 @@ Slice Arena::take(size_t bytes, const char* what)
   bytes = (bytes + 15) & ~size_t(15);
   if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
-    /* sizes double: small scenes need little memory, large scenes few buffers */
+    /* Sizes double from 16 KiB to 16 MiB: small scenes need little memory, large scenes need few buffers. */
     const size_t size = shared == ~size_t(0) ? size_t(1) << 14 : 2*buffers[shared]->bytes;
     add(std::max(bytes, std::min(size, largest)), what);
     shared = buffers.size() - 1;

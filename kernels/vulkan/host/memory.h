@@ -17,14 +17,15 @@ class Buffer
 public:
   enum Kind
   {
-    OnDevice,  // device-local; also mapped if host-visible
-    Staging
+    OnDevice,  // in the device's memory; mapped if it is also visible to the host
+    Staging    // in the host's memory, mapped, for copies
   };
 
-  /* what: contents, for messages. */
+  /* what: contents of the buffer, for messages. */
   Buffer(Device& device, size_t bytes, Kind kind, const char* what);
 
-  /* Imports host memory. begin and bytes must be multiples of importAlignment. */
+  /* Imports host memory, which must remain valid. begin and bytes must be multiples of
+   * Capabilities::importAlignment. */
   Buffer(Device& device, void* begin, size_t bytes);
 
   ~Buffer();
@@ -34,7 +35,7 @@ public:
   VkBuffer handle = VK_NULL_HANDLE;
   VkDeviceAddress address = 0;
   const size_t bytes;
-  char* mapped = nullptr;   // NULL if not host-visible
+  char* mapped = nullptr;   // host address of the contents, or NULL
 
 private:
   void create(const void* next, const char* what);
@@ -45,6 +46,7 @@ private:
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
+/* A part of a buffer. Does not own it. */
 struct Slice
 {
   Buffer* buffer = nullptr;
@@ -53,18 +55,19 @@ struct Slice
   VkDeviceAddress address() const { return buffer->address + offset; }
 };
 
-/* Writes to mapped buffers directly, otherwise through a staging buffer. */
+/* Writes to buffers: directly if they are mapped, otherwise through a staging buffer. */
 class Uploader
 {
 public:
   explicit Uploader(Device& device) : device(device) {}
 
+  /* Copies the data at once; the device has it after flush(). offset: in bytes from the start of the slice. */
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
 
   /* Completes the writes and waits for the device. */
   void flush();
 
-  size_t written = 0;
+  size_t written = 0;   // bytes, in total
 
 private:
   Device& device;
@@ -74,13 +77,14 @@ private:
   std::vector<Copy> copies;
 };
 
-/* Slices of shared buffers, aligned to 16 bytes. Large slices get their own buffer. */
+/* Allocates slices of shared buffers, aligned to 16 bytes, because devices support few allocations. Large slices get
+ * their own buffer. The destructor frees all of them. */
 class Arena
 {
 public:
   explicit Arena(Device& device) : device(device) {}
 
-  /* what: contents, for messages. */
+  /* Allocates a slice. what: contents, for messages. */
   Slice take(size_t bytes, const char* what);
 
   size_t bytes() const;

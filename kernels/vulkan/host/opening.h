@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Opens Vulkan: loader, instance, physical device and its features. */
+/* Opens Vulkan: finds the loader, creates an instance, and chooses a physical device with the features that tracing
+ * needs. */
 
 #include "functions.h"
 #include <embree3/rtcore_vulkan.h>
@@ -38,17 +39,19 @@ struct Capabilities
 {
   RTCVulkanDeviceInfo info;
   bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
-  size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures
-  uint64_t maxBoxes = 0, maxInstances = 0;
+  size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures, in bytes
+  uint64_t maxBoxes = 0, maxInstances = 0; // per bottom level, and per top level
   uint32_t computeFamily = ~0u;     // index of a queue family that supports compute; ~0u if there is none
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
-  size_t maxAllocation = 0;         // in bytes
+  size_t maxAllocation = 0;         // largest allocation, in bytes
   size_t importAlignment = 4096;    // of host memory that is imported
   uint32_t timestampBits = 0;       // valid bits of the compute family's timestamps; 0 without timestamps
   uint8_t cacheID[VK_UUID_SIZE];    // identifies the driver version that cached pipelines are for
 };
 
+/* Reads the properties of a device. If the device cannot be used, info.unsupported says why, and other members may keep
+ * their defaults. */
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
 /* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */

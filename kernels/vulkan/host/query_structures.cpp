@@ -8,6 +8,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
+/* Converts a 3x4 matrix from columns to Vulkan's rows. */
 VkTransformMatrixKHR matrixOf(const float* columns)
 {
   VkTransformMatrixKHR out;
@@ -47,7 +48,7 @@ void QueryStructuresBuilder::addInstance(size_t level, const float* transform, c
   instance.transform = matrixOf(transform);
   instance.instanceCustomIndex = uint32_t(places.size());
   instance.mask = 0xFF;
-  instance.accelerationStructureReference = level;   // a number, which build() replaces by an address
+  instance.accelerationStructureReference = level;   // number of the level; build() replaces it by an address
   instances.push_back(instance);
   places.push_back(place);
 }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A scene's acceleration structures for ray queries: bottom levels of boxes, and a top level of instances. */
+/* A scene's acceleration structures for ray queries: a bottom level of boxes (LeafBox) per geometry, and a top level of
+ * instances. The driver finds boxes that a ray hits, and shaders/ray_query.glsl intersects their blocks. */
 
 #include "leaf_boxes.h"
 #include "memory.h"
@@ -18,32 +19,36 @@ using cbvh::PlacedBoxes;
 
 struct QueryStructures
 {
-  /* Origin of a bottom level: instanced scene (0: the scene itself), geomID there, and ID of a moving instance. */
+  /* Identifies a bottom level: number of the instanced scene (0: the scene itself), geomID there, and geomID of the
+   * moving instance that it belongs to, or RTC_INVALID_GEOMETRY_ID. */
   typedef std::tuple<size_t, uint32_t, uint32_t> Place;
   std::map<Place, std::shared_ptr<const BottomLevel>> levels;
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::shared_ptr<Structure> topLevel;
 };
 
-/* Add all levels and instances, then call build once. */
+/* Builds QueryStructures. Add all levels and instances, then call build() once. */
 class QueryStructuresBuilder
 {
 public:
-  /* previous: the scene's structures before an edit, whose bottom levels are updated if possible, or NULL. */
+  /* previous: the scene's structures before it was edited, or NULL. Its bottom levels are updated if possible, which is
+   * faster than a build. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 
-  /* Returns the number of the bottom level over boxes after `place`. */
+  /* Adds a bottom level over boxes that `place` transforms. Reuses a level of the device with the same boxes. Returns
+   * its number, for addInstance. */
   size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
                   const std::function<Bounds(const Bounds&)>& place);
 
-  /* transform: level to world, a 3x4 matrix column by column. */
+  /* Adds an instance of a level. transform: from the level's space to world space, a 3x4 matrix column by column. */
   void addInstance(size_t level, const float* transform, const PlacedBoxes& place);
 
   /* One per instance, in the order of addInstance. */
   const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
 
-  /* Sets the statistics of boxes and structures. arena: for the array of instances. */
+  /* Builds all levels that are not reused, and the top level. Sets the statistics of boxes and structures. arena:
+   * receives the array of instances. */
   void build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics);
 
 private:

@@ -10,7 +10,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t maxRays = size_t(1) << 27;   // shaders index words with 32 bits
+constexpr size_t maxRays = size_t(1) << 27;   // shaders index words of rays with 32 bits
 
 size_t tilesOf(size_t count) { return (count + orderTile - 1)/orderTile; }
 size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }

@@ -3,24 +3,26 @@
 
 #pragma once
 
-/* Sorts ray indices on the device, so that neighboring threads visit the same blocks. */
+/* Records the sort of ray indices on the device (shaders/ray_order.comp), so that neighboring threads visit the same
+ * blocks. */
 
 #include "scene.h"
 
 namespace embree { namespace vulkan {
 
-/* Scratch memory for `count` rays. Throws VulkanError for too many. */
+/* Bytes of scratch memory for `count` rays: two arrays of pairs, and the counts of digits. Throws VulkanError if there
+ * are too many rays. */
 size_t rayOrderBytes(size_t count);
 
 struct RaysToOrder
 {
-  VkDeviceAddress rays;
+  VkDeviceAddress rays;      // each begins with origin, tnear and direction, as RTCRay
   size_t rayBytes, count;
   VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
 };
 
-/* Records the sort and a barrier after its last write. Sorted pairs (key, index) are at the beginning of scratch.
- * pipelines: from Device::makeOrderPipelines. Throws before it records anything. */
+/* Records the sort and a barrier after its last write. The result, sorted pairs (key, index), is at the beginning of
+ * scratch. pipelines: from Device::makeOrderPipelines. If it throws, it has recorded nothing. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan

@@ -1,6 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The API of include/embree3/rtcore_vulkan.h: validates arguments, calls host/, and reports exceptions to the RTCDevice
+ * with which a device was created. */
+
 #define RTC_EXPORT_API
 
 #include "ray_order.h"
@@ -21,7 +24,8 @@ void embree::core::invalidArgument(const std::string& text) { throw VulkanError(
 
 namespace {
 
-/* Reports an exception of the closure to the device, and returns false. RTC_ERROR_NONE: already reported. */
+/* Calls the closure. If it throws, reports the exception to the device (NULL: to the calling thread) and returns false.
+ * RTC_ERROR_NONE: another device has already reported the error. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {
@@ -50,7 +54,7 @@ void write(T* to, const T& from, const char* name)
   core::writeStruct(to, from);
 }
 
-/* An application's array, with elements of the application's size. */
+/* An application's array of structs, whose size may be that of another version of this API. */
 class DeviceInfos
 {
 public:
@@ -195,7 +199,7 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, 
     require(device, "device");
     require(from, "scene");
     const RTCVulkanSceneArguments args = given ? core::readStruct(given) : RTCVulkanSceneArguments();
-    int memory, traversal; // an enum with an invalid value would be undefined behavior
+    int memory, traversal; // copied as integers: reading an invalid value as an enum is undefined behavior
     std::memcpy(&memory, &args.memory, sizeof(memory));
     std::memcpy(&traversal, &args.traversal, sizeof(traversal));
     if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT)
@@ -349,7 +353,7 @@ RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
 
 RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
 {
-  /* deleting the trace may release the RTCDevice that receives the error */
+  /* retained, because deleting the trace may release the RTCDevice that receives the error */
   const RTCDevice embree = htrace ? traceOf(htrace)->device.embree : nullptr;
   if (embree) rtcRetainDevice(embree);
   const bool done = guarded(embree, [&]() {

@@ -32,7 +32,7 @@ std::string nameOf(const Part& part, const Part& top, size_t geomID)
   return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
 }
 
-/* Embree accepts the vertex. Areas of boxes with larger coordinates would overflow. */
+/* True if Embree accepts the vertex. Areas of boxes with larger coordinates would overflow. */
 bool isVertexInRange(const float* p)
 {
   for (int k = 0; k < 3; k++)
@@ -40,8 +40,8 @@ bool isVertexInRange(const float* p)
   return true;
 }
 
-/* World bounds of a box at all times. Corners move linearly between time steps, so transforming them at each step
- * suffices. */
+/* World-space bounds, over all times, of a box in an instance's space. Corners move linearly between time steps, so
+ * transforming them at each step suffices. */
 Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
@@ -55,7 +55,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* above the rounding errors of this transform and of the inverse one, which transforms rays */
+  /* more than the rounding errors of this transform and of the inverse one, which transforms rays */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -64,7 +64,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
   return out;
 }
 
-/* The driver can invert the instance's transform. */
+/* True if the driver can invert the instance's transform, as it must to transform rays. */
 bool isInvertible(const FlatGeometry& instance)
 {
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
@@ -72,6 +72,8 @@ bool isInvertible(const FlatGeometry& instance)
 
 } // namespace
 
+/* Converts a committed scene of Embree to the layout of scene_layout.h, and uploads it. The constructor does
+ * everything. A scene and the scenes that it instances are "parts", whose nodes, blocks and geometries share arrays. */
 class SceneUpload
 {
 public:
@@ -122,6 +124,7 @@ private:
     }
   }
 
+  /* Throws VulkanError for geometry that shaders cannot trace. */
   void checkGeometries() const
   {
     for (const Part& part : parts)
@@ -150,6 +153,7 @@ private:
 
   /* --- blocks --- */
 
+  /* Imports or copies the blocks of all parts, and sets `blocks`. */
   void placeBlocks()
   {
     size_t count = 0;
@@ -187,6 +191,7 @@ private:
 
   /* --- trees --- */
 
+  /* Joins the part's trees over blocks with new trees over its triangles and instances. */
   void buildTree(Part& part)
   {
     const size_t p = size_t(&part - parts.data());
@@ -261,7 +266,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference of part p to one of the scene, and adds its type to the scene's kinds. */
+  /* Converts a reference in part p to one in the scene's arrays, and adds its type to the scene's kinds. */
   uint32_t renumbered(uint32_t reference, size_t p)
   {
     if (reference == emptyReference) return reference;
@@ -275,7 +280,7 @@ private:
 
   /* --- writing --- */
 
-  /* Triangles and cells share an array. Adjusts references to triangles. */
+  /* Appends the triangles to `cells`, because both share an array, and adjusts references to triangles. */
   void appendTriangles()
   {
     if (tree.triangles.empty()) return;
@@ -306,7 +311,7 @@ private:
     data.isRobust = part.flat->isRobust;
     if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
     {
-      /* padding after the last element may be unreadable */
+      /* bytes; without the padding after the last element, which may be unreadable */
       const size_t vertices = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
       const size_t indices = (geometry.numTriangles - 1)*geometry.indexStride + 12;
       data.vertices = writeArray(geometry.vertices, vertices, "vertices of a triangle mesh").address();
@@ -393,7 +398,8 @@ private:
         geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
       if (p > 0) instancedDepth = std::max(instancedDepth, parts[p].tree.depth);
     }
-    /* traversal pushes up to three children per node from the root down */
+    /* Traversal pushes up to three children per node on a path from the root. The result is a multiple of 32, so that
+     * scenes of similar depth share a pipeline. */
     const uint32_t depth = parts[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
@@ -469,7 +475,7 @@ void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, V
   const DeviceFunctions& vk = device.vk;
   vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   const size_t groupSize = 64;   // local_size_x of trace.comp
-  /* the shader indexes words of rays with 32 bits */
+  /* the shader indexes words of rays with 32 bits: 2^26 rays of 20 words fit */
   const size_t maxRays = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*groupSize,
                                size_t(1) << 26);
   const size_t rayBytes = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);

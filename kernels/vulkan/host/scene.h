@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A committed scene on a device. */
+/* A committed scene on a device: what RTCVulkanScene refers to. */
 
 #include "blocks.h"
 #include "query_structures.h"
@@ -12,11 +12,12 @@
 
 namespace embree { namespace vulkan {
 
+/* See RTCVulkanSceneArguments. */
 struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
-  bool byQuery = false;
-  class Scene* previous = nullptr;
+  bool byQuery = false;              // trace by ray queries
+  class Scene* previous = nullptr;   // scene before an edit, whose acceleration structures are updated, or NULL
 };
 
 class Scene : public Shared
@@ -28,11 +29,12 @@ public:
   Device& device;
   const Held<Device> held;       // first: the device must outlive the buffers
   VkDeviceAddress address = 0;   // device address of SceneData
-  uint32_t kinds = 0;            // mask of reference types
+  uint32_t kinds = 0;            // mask of the types of references that the scene contains
   const bool byQuery;
   RTCVulkanSceneStatistics statistics{};
 
-  /* Records the trace of `count` rays. order: of recordRayOrder, or 0. */
+  /* Records the trace of `count` rays. pipeline: from Device::pipeline. rays: device address of RTCRayHit (CLOSEST_HIT)
+   * or RTCRay. order: scratch of recordRayOrder, or 0. */
   void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
               VkDeviceAddress order = 0) const;
 

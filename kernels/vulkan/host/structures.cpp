@@ -56,6 +56,7 @@ constexpr size_t structureAlignment = 256;   // alignment that Vulkan requires
 
 size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1)/alignment*alignment; }
 
+/* A build or update of an acceleration structure. */
 struct Build
 {
   VkAccelerationStructureTypeKHR type;
@@ -101,7 +102,7 @@ void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, Vk
   device.vk.CmdPipelineBarrier(commands, fromStage, toStage, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
-/* Builds with one command, in one shared buffer. */
+/* Builds with one command, into one shared buffer. Waits for the device. */
 void buildTogether(Device& device, Build* builds, size_t count)
 {
   const size_t alignment = device.capabilities.scratchAlignment;
@@ -136,9 +137,10 @@ void buildTogether(Device& device, Build* builds, size_t count)
   });
 }
 
+/* Builds in batches that limit the memory. */
 void buildAll(Device& device, std::vector<Build>& builds)
 {
-  /* per batch, for structures and scratch memory each */
+  /* bytes per batch, for structures and for scratch memory */
   const size_t most = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
   for (Build& build : builds) build.measure(device);
   for (size_t first = 0; first < builds.size();) {

@@ -20,11 +20,11 @@ class Buffer;
 class Device;
 class Uploader;
 
-/* In a buffer that it may share with others. */
+/* An acceleration structure, in a buffer that it may share with others. */
 class Structure
 {
 public:
-  /* Does not build the structure. */
+  /* Creates the handle. Does not build the structure. */
   Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset,
             size_t bytes);
   ~Structure();
@@ -55,7 +55,7 @@ struct BottomLevel
   std::shared_ptr<Structure> structure;
 };
 
-/* A device's bottom levels, kept for reuse while a scene uses them. Thread-safe. */
+/* A device's bottom levels by their boxes, for reuse while a scene uses them. Thread-safe. */
 class Structures
 {
 public:
@@ -68,20 +68,21 @@ private:
   std::map<BoxesKey, std::weak_ptr<const BottomLevel>> levels;
 };
 
+/* A bottom level that a scene needs. */
 struct WantedLevel
 {
   BoxesKey key;
-  VkDeviceAddress boxes;                         // address of VkAabbPositionsKHR
+  VkDeviceAddress boxes;                         // address of VkAabbPositionsKHR; not used if `level` is set
   std::shared_ptr<const BottomLevel> previous;   // to update from, with the same number of boxes, or NULL
   std::shared_ptr<const BottomLevel> level;      // NULL until built
 };
 
 struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 
-/* Updates or builds levels that are NULL. Boxes of equal keys are built once. */
+/* Updates or builds the levels that are NULL, once per key, and adds them to the device's structures. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
 
-/* instances: VkAccelerationStructureInstanceKHR on the device. */
+/* Builds a top level. instances: device address of VkAccelerationStructureInstanceKHR. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
 }} // namespace embree::vulkan

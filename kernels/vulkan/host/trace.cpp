@@ -10,7 +10,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-constexpr uint32_t numStamps = 5;   // start; after the upload, the sort, the trace and the download
+constexpr uint32_t numStamps = 5;   // timestamps: at the start, and after upload, sort, trace and download
 
 void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written,
              VkPipelineStageFlags to, VkAccessFlags read)
@@ -48,7 +48,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       info.queryCount = numStamps;
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
     }
-    /* not in submit, which holds the device's mutex while it records */
+    /* before submit, which locks the device's mutex while it records */
     const VkPipeline pipeline = device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize);
     const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
     submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });

@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* Asynchronously traces rays in host memory. */
+/* Asynchronously traces rays in host memory: what RTCVulkanTrace refers to. */
 
 #include "scene.h"
 
 namespace embree { namespace vulkan {
 
+/* The destructor waits for the device. */
 class Trace
 {
 public:
@@ -20,7 +21,8 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits for the trace. rays, times: may be NULL. */
+  /* Waits for the trace, and copies the results. rays: receives the rays with their hits. rays and times may be
+   * NULL. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;
@@ -34,8 +36,8 @@ private:
   const Query query;
   const size_t count, bytes;
   std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL if onDevice is mapped
-  std::unique_ptr<Buffer> order;               // NULL without sorting
-  VkQueryPool clock = VK_NULL_HANDLE;
+  std::unique_ptr<Buffer> order;               // scratch of the sort; NULL without sorting
+  VkQueryPool clock = VK_NULL_HANDLE;          // timestamps; null if the queue does not support them
   Device::Submission submission;
 };
 

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A scene's tree: joins libembree3's trees over blocks with trees of rtcBuildBVH over triangles and instances. */
+/* A scene's tree: joins libembree3's trees over blocks with trees over triangles and instances, which rtcBuildBVH
+ * builds. */
 
 #include "error.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -27,6 +28,7 @@ struct Bounds
   bool isEmpty() const { return !(lower[0] <= upper[0]); }
 };
 
+/* Root of a part of a Tree, until join() connects it. */
 struct Subtree
 {
   uint32_t root = cbvh::emptyReference;
@@ -34,14 +36,14 @@ struct Subtree
   uint32_t depth = 0;   // nodes on the longest path
 };
 
-/* Instances have the primID RTC_INVALID_GEOMETRY_ID. */
+/* A triangle or an instance, to build a tree over. Instances have the primID RTC_INVALID_GEOMETRY_ID. */
 struct Item
 {
   Bounds bounds;
   uint32_t geomID, primID;
 };
 
-/* Throws VulkanError if references cannot represent all indices below `count`. */
+/* Throws VulkanError if references cannot represent all indices below `count`. what: the items, for the message. */
 void requireReferences(size_t count, const char* what);
 
 class Tree
@@ -51,13 +53,14 @@ public:
   std::vector<FlatMovingNode> movingNodes;
   std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves are runs of them
 
-  /* Add a tree over the items, and clear them. */
+  /* Add a tree over the items, and free the items, which may be large. */
   Subtree buildTriangles(RTCDevice device, std::vector<Item>& items);
   Subtree buildInstances(RTCDevice device, std::vector<Item>& items);
 
   /* Adds a node over up to four subtrees, omitting empty ones. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
+  /* Adds a node without children, and returns its index. */
   uint32_t addNode();
 
 private:

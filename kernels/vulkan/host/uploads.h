@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A device's surfaces by builds, kept for reuse while a scene uses them. Thread-safe. */
+/* The surfaces whose blocks are on a device, by their build (FlatGeometry::build), for reuse while a scene uses them.
+ * Thread-safe. */
 
 #include <cstdint>
 #include <map>

@@ -61,13 +61,14 @@ bool cbvhIsNode (uint type) {
   return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference);
 }
 
-/* All framed blocks of a scene have this kind. */
+/* True if all framed blocks of the scene (cGRID, cVOXEL and cLEAF) have this kind. The compiler then removes the
+ * others' code. */
 bool cbvhHasOnly (uint kind)
 {
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
-/* isPresent: whether each child exists then. */
+/* Returns a moving node at a time. isPresent: receives true for each child that exists then. */
 CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
 {
   CbvhNode now = node.atZero;
@@ -83,8 +84,9 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
  * Vulkan allows for quotients. Embree's robust traversal uses 3 ulps, because its quotients are exact. */
 const float cbvhNodeSlack = 4.0*floatUlp;
 
-/* Sorted keys of the children, nearest first: the distance, with the child in the lower two bits. Missed children have
- * 0xFFFFFFFF. Of two at the same distance, the later one comes first, as in Embree. */
+/* Returns sorted keys of the children, nearest first. A key contains the bits of the distance, with 3 minus the child's
+ * index in the lower two bits; bits of positive floats compare as integers. Missed children have the key 0xFFFFFFFF. Of
+ * two children at the same distance, the later one comes first, as in Embree. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -104,7 +106,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* For leaves that are not instances. framed: see cbvhReport. */
+/* Intersects a leaf that is not an instance. framed: see cbvhReport. */
 bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
@@ -124,6 +126,7 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
+/* Traverses the scene with a stack. address: of the SceneData. */
 bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit)
 {
   hit.t = worldRay.tfar;
@@ -139,7 +142,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK];       // pairs of reference and key
+  uvec2 stack[CBVH_STACK];       // pairs of reference and key of cbvhSortChildren
   int top = 0, instanceTop = -1; // instanceTop: `top` when the ray entered an instance
   uint current = scene.root;
 
@@ -203,9 +206,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   return found;
 }
 
-/* Finds the closest hit. Without one, returns false with hit.t = ray.tfar and IDs of CBVH_NONE. */
+/* Finds the closest hit. If there is none, returns false and sets hit.t to ray.tfar and all IDs to CBVH_NONE. */
 bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
+/* True if the ray hits anything. */
 bool cbvhOccluded (uvec2 scene, CbvhRay ray)
 {
   CbvhHit hit;

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF. Headers of kernels/cbvh/framed define bytes and hits.
+/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF, whose boxes are in a local frame. The headers of
+ * kernels/cbvh/framed define their bytes and hits.
  *
  * Traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
  * under. Going up, it decodes a box again along the path from the root, which is faster than a stack of boxes.
@@ -17,23 +18,25 @@
 #include "../../cbvh/framed/leaf/crossing.h"
 #include "../../cbvh/framed/normal.h"
 
+/* The ray in the block's frame, in which it is a straight segment. */
 struct CbvhLocalRay
 {
   Segment segment;
   vec3 lower, upper;  // start minus and plus epsilon
   vec3 rcp;
   uint flip;          // bit k: the direction descends along axis k (x, y)
-  float scale;        // 1/largest component of the direction; from the segment's distances to the ray's
+  float scale;        // 1/largest component of the direction; factor from the segment's distances to the ray's
 };
 
+/* Parameters of the segment at which it enters and leaves the boxes of a node's children. */
 struct CbvhSlabs
 {
   vec4 enter, leave;      // children 0 to 3
-  vec4 enterXY, leaveXY;  // their x and y planes only
+  vec4 enterXY, leaveXY;  // between their x and y planes only
   vec4 leaveZ;
 };
 
-/* Where a ray enters and leaves the space between two planes. */
+/* Parameters at which a ray enters and leaves the space between two planes. */
 vec2 cbvhSlab (CbvhLocalRay ray, int axis, float lower, float upper)
 {
   float a = (lower - ray.upper[axis])*ray.rcp[axis], b = (upper - ray.lower[axis])*ray.rcp[axis];
@@ -91,9 +94,10 @@ CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox 
   return cbvhJoin(xy[0], xy[1], xy[2], xy[3], enterZ, leaveZ);
 }
 
+/* Bit i of the result is component i. */
 uint cbvhMask (bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
 
-/* Bit i to bit i ^ flip. */
+/* Converts a mask of children to the order of visits: moves bit i to bit i ^ flip. */
 uint cbvhToOrder (uint mask, uint flip)
 {
   if ((flip & 1u) != 0u) mask = ((mask & 5u) << 1) | ((mask >> 1) & 5u);
@@ -117,8 +121,9 @@ BlockHeader cbvhReadHeader (CbvhPointer block)
   return header;
 }
 
-const uint CBVH_FIRST_NODE = blockHeaderBytes/4u;
+const uint CBVH_FIRST_NODE = blockHeaderBytes/4u; // offset of the root in words
 
+/* Node m of a level, in Morton order. */
 uint cbvhNodeWord (CbvhPointer block, uint level, uint m) {
   return cbvhWord(block, CBVH_FIRST_NODE + nodesOfLevels(level) + m);
 }
@@ -137,15 +142,15 @@ NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
 /* A hit in a leaf, in the frame. */
 struct CbvhLeafHit
 {
-  float s;
-  uint leaf;
+  float s;              // parameter of the segment
+  uint leaf;            // index of the leaf, in Morton order
   float u, v;           // position in the leaf
   float slopeX, slopeY;
   uint from;            // side from which the ray comes, see leaf/hit_rule.h
 };
 
-/* Stores the hit and returns true if it is nearer by the rule of framed/nearest_hit.h, except for its order of faces.
- * framed: `t` and `own` of that rule, for the stored hit. */
+/* Stores the hit and returns true if it is nearer than the stored one by the rule of framed/nearest_hit.h, except for
+ * the order of faces in that rule. framed: `t` and `own` of that rule for the stored hit. numLeaves: per side. */
 bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
                  CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
@@ -178,6 +183,7 @@ float cbvhParameterAfter (Segment s, float t) {
   return t < s.t1 && s.t0 < s.t1 ? localFraction(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
 }
 
+/* A leaf of cVOXEL, whose box is the surface. */
 LeafPatch cbvhSolidLeaf (NodeBox box)
 {
   LeafPatch leaf;
@@ -195,6 +201,7 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
   return CbvhLeafHit(s, leaf, u, v, patchSlope(patch_, 0, v), patchSlope(patch_, 1, u), from);
 }
 
+/* Intersects the triangles of a leaf of cGRID. leafOffset: byte offset of the block's vertices. numLeaves: per side. */
 bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhPreparedRay ray,
                    uint leaf, const bool anyHit, inout CbvhHit hit)
 {
@@ -224,7 +231,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
   return found;
 }
 
-/* kind: constant if the scene has only one. */
+/* Intersects a block. kind: of the block; a constant if the scene contains only one kind. */
 bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPreparedRay ray, const bool anyHit,
                       inout CbvhHit hit, inout vec2 framed)
 {
@@ -316,7 +323,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       uint before = (2u << i) - 1u;
       if (i == 1u && ((isHit | isPassed) & 4u) != 0u &&
           slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
-        /* enters child 2 before child 1 */
+        /* the ray enters child 2 before child 1; 5: bits of the children 0 and 2 */
         if ((events & 4u) != 0u) { i = 2u; before = 5u; }
         else before = 7u;
       }
@@ -333,7 +340,8 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        /* continues with this hit even if another block has a nearer one */
+        /* continues with this hit as if it were the nearest, even if another block has a nearer one, so that hits do
+         * not depend on the order of blocks */
         if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true;
         if (anyHit) return true;
         best = exit_.s;

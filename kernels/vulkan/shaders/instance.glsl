@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Instances, which may move. */
+/* Transforms rays into the space of instances, which may move. */
 
 #ifndef CBVH_INSTANCE_GLSL
 #define CBVH_INSTANCE_GLSL
@@ -16,6 +16,7 @@ CbvhTransform cbvhTransformOf (float m[12]) {
                        vec3(m[9], m[10], m[11]));
 }
 
+/* Inverts by Cramer's rule. */
 CbvhTransform cbvhInverse (CbvhTransform t)
 {
   vec3 yz = cross(t.y, t.z), zx = cross(t.z, t.x), xy = cross(t.x, t.y);
@@ -27,8 +28,8 @@ CbvhTransform cbvhInverse (CbvhTransform t)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhTransforms { CbvhTransform at[]; };
 
-/* Sets `local` to the transform from world space to the instance's space at a time. Returns false outside of the
- * instance's time range. */
+/* Sets `local` to the transform from world space to the instance's space at a time. Interpolates the transforms of
+ * moving instances linearly, as Embree. Returns false outside of the instance's time range. */
 bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform local)
 {
   local = cbvhTransformOf(instance.worldToLocal);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Reads a scene by buffer addresses. */
+/* Reads a scene (scene_layout.h) by buffer addresses. */
 
 #ifndef CBVH_MEMORY_GLSL
 #define CBVH_MEMORY_GLSL
@@ -11,6 +11,7 @@
 #include "../../cvert/basics/bytes.h"
 #include "../scene_layout.h"
 
+/* Four children, one per component. */
 struct CbvhNode
 {
   vec4 lower[3], upper[3];
@@ -32,9 +33,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cbv
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhGeometries { GeometryData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
-/* geomID: in the scene. */
+/* A block. geomID: in the block's scene. */
 struct CbvhPointer { uvec2 address; uint geomID; };
 
+/* index: of the block, from a reference. */
 CbvhPointer cbvhPointer (SceneData scene, uint index)
 {
   uvec4 block = CbvhQuadwords(scene.blocks).at[index];

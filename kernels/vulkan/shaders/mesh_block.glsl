@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). Decodes the boxes of all groups. For groups
- * that the ray hits, decodes the vertices in the order of the strips and tests each triangle at its last vertex. */
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). First decodes the boxes of all groups. Then,
+ * for each group whose box the ray hits, decodes the vertices in the order of the strips, and tests each triangle once
+ * its last vertex is decoded. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -13,18 +14,19 @@
 
 CVERT_READABLE(MeshHeader,16)
 
+/* Members of MeshHeader, and offsets of sections. */
 struct CbvhMeshBlock
 {
-  uvec2 at;
+  uvec2 at;                                        // address
   uint geomID;
   vec3 origin;
   uint spacings, primID, counts, form;
   uint groups;
-  uint boxes;                                      // offset of the boxes in bytes
+  uint boxes;                                      // byte offset of the boxes
   uint topologyBegin, verticesBegin, numbersBegin; // first bits, from the start of the block
 };
 
-/* Bit offsets of each group in the block's sections, and the fields of its vertices:
+/* Per group: bit offsets in the block's sections, and the form of its vertices' fields:
  *
  *   x   lower half: topology, upper half: fields of vertices
  *   y   lower half: numbers, upper half: index in the block of the first vertex that the group owns
@@ -32,10 +34,10 @@ struct CbvhMeshBlock
  *   w   bits per field on x, y and z, 8 bits each */
 uvec4 cbvhMeshGroups[maxMeshGroups];
 
-/* where the ray enters the boxes */
+/* Distances at which the ray enters the groups' boxes. */
 float cbvhMeshEntries[maxMeshGroups];
 
-/* cbvhFindMeshGroups sets verticesBegin and numbersBegin. */
+/* Leaves verticesBegin and numbersBegin 0, which cbvhFindMeshGroups sets. */
 CbvhMeshBlock cbvhReadMeshBlock (CbvhPointer at)
 {
   CbvhMeshBlock block;
@@ -78,7 +80,7 @@ bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlop
 
 /* --- boxes ------------------------------------------------------------------------------ */
 
-/* Axes of a block's boxes, and the ray along the sheared one, from the block's origin. */
+/* Axes of a block's boxes, and the ray's sheared coordinate, relative to the block's origin. */
 struct CbvhMeshAxes
 {
   int sheared;               // sheared axis; 3 if there is none
@@ -87,7 +89,8 @@ struct CbvhMeshAxes
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Boxes do not bound the sheared coordinate if a ratio of spacings exceeds 2^30, because it would be inexact. */
+/* If a ratio of spacings exceeds 2^30, the sheared coordinate would be inexact, and the ray is not clipped by it. The
+ * constant is the exponent. */
 const int cbvhMaxMeshRatio = 30;
 
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)
@@ -147,7 +150,8 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Sets the block's sections, cbvhMeshGroups and cbvhMeshEntries. Returns the groups whose boxes the ray hits. */
+/* Sets verticesBegin, numbersBegin, cbvhMeshGroups and cbvhMeshEntries. Returns a mask of the groups whose boxes the
+ * ray hits. */
 uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float tfar)
 {
   CbvhVertRay vert = cbvhVertRay(ray);
@@ -162,7 +166,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
     {
       uint plane = byteAt(block.at, block.boxes + uint(k)*block.groups + g);
       uint extent = byteAt(block.at, block.boxes + uint(k + 3)*block.groups + g);
-      /* same as meshFieldBits */
+      /* equals meshFieldBits, without its loop */
       uint field = uint(findMSB(extent) + 1) + meshBoxShift(block.spacings, block.form, uint(k));
       planes |= plane << (8*k);
       fields |= field << (8*k);
@@ -184,6 +188,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
 
 /* --- topology and vertices -------------------------------------------------------------- */
 
+/* Topology of a group, see MeshTopology. */
 struct CbvhMeshGroup
 {
   uint g;
@@ -218,9 +223,10 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   return group;
 }
 
-/* i: at most 31. */
+/* Number of set bits below bit i, which is at most 31. */
 uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
 
+/* Decodes the vertex at position i of the group's stream. */
 vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
@@ -257,7 +263,7 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 
 /* --- triangles -------------------------------------------------------------------------- */
 
-/* Triangles that the ray's line may pass, in any orientation. */
+/* Returns a mask of the triangles that the ray's line may pass through, from either side. */
 uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear)
 {
   uint mask = 0u, t = 0u;
@@ -287,6 +293,7 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
     + cbvhMeshBits(block, first + baseBits + t*bits, bits);
 }
 
+/* Tests triangle t exactly. Updates `hit` and `nearest` if it is hit. */
 bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -310,7 +317,7 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
   return true;
 }
 
-/* The group that the ray enters first. open: not 0. */
+/* Returns the group whose box the ray enters first. open: mask of groups, not 0. */
 uint cbvhFirstMeshGroup (uint open)
 {
   uint first = uint(findLSB(open));

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves in full precision: runs of triangles, and GRID's cells of 2 x 2 quads. */
+/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and cells of 2 x 2 quads of GRID.
+ * mesh_block.glsl intersects compressed meshes. */
 
 #ifndef CBVH_MESHES_GLSL
 #define CBVH_MESHES_GLSL
@@ -15,6 +16,7 @@ vec3 cbvhMeshVertex (GeometryData geometry, uint i)
               floatAt(geometry.vertices, first + 2u));
 }
 
+/* Intersects `count` consecutive triangles of SceneData::cells. */
 bool cbvhTraceRun (SceneData scene, CbvhPreparedRay ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
 {
   bool found = false;
@@ -38,13 +40,14 @@ bool cbvhTraceRun (SceneData scene, CbvhPreparedRay ray, uint first, uint count,
   return found;
 }
 
-/* u and v have 16 bits, in units of 8/65536. */
+/* Face parameters of vertex i of a grid. Embree stores them in 16 bits each, in units of 8/65536. */
 vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
 {
   uint uv = cbvhWord(grid, first + 3u*plane + i);
   return vec2(float(uv & 0xFFFFu), float(uv >> 16))*(8.0/65536.0);
 }
 
+/* Intersects a cell. index: in SceneData::cells. */
 bool cbvhTraceCell (SceneData scene, CbvhPreparedRay ray, uint index, const bool anyHit, inout CbvhHit hit)
 {
   uvec2 cell = CbvhPairs(scene.cells).at[index];

@@ -3,8 +3,8 @@
 
 /* Rays and hits.
  *
- * Functions that intersect a ray return true and update `hit` for hits nearer than hit.t. With anyHit, a compile-time
- * constant, they return at the first. */
+ * Functions with a parameter `hit` return true and update it if they find a hit nearer than hit.t. If anyHit, a
+ * compile-time constant, is true, they return at the first hit. */
 
 #ifndef CBVH_RAY_GLSL
 #define CBVH_RAY_GLSL
@@ -25,6 +25,7 @@ struct CbvhRay
   float time;
 };
 
+/* A ray with all bits of the mask, at time 0. */
 CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) {
   return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
 }
@@ -40,7 +41,7 @@ struct CbvhHit
 
 const uint CBVH_NONE = 0xFFFFFFFFu;
 
-/* In the space of the traversed scene or instance. */
+/* A ray in the space of the traversed scene or instance. */
 struct CbvhPreparedRay
 {
   vec3 org, dir;
@@ -49,9 +50,9 @@ struct CbvhPreparedRay
   float tfar;     // end of the ray, independent of hits
   float enter;    // lower bound of the distance to the current leaf
   uint mask;
-  float time;     // finite; before all motion if the ray's is not
-  uint instID;
-  uint firstGeometry;
+  float time;     // finite; before all motion if the ray's time is not finite
+  uint instID;    // instance that is being traversed, or CBVH_NONE
+  uint firstGeometry; // index in SceneData::geometries of geometry 0 of the traversed scene
 };
 
 /* directionReciprocal of kernels/cvert/rule/reciprocal.h, but keeps the sign of zero. */
@@ -88,6 +89,7 @@ CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
   return travel;
 }
 
+/* True if the masks of the ray and the geometry share a bit. */
 bool cbvhIsSeen (SceneData scene, CbvhPreparedRay ray, uint geomID)
 {
   return (CbvhGeometries(scene.geometries).at[ray.firstGeometry + geomID].mask & ray.mask) != 0u;

@@ -4,10 +4,12 @@
 /* Sorts ray indices by origin and direction, so that neighboring threads visit the same blocks. A stable radix sort
  * with digits of 4 bits.
  *
- *   STAGE 0: writes pairs (key, index)
- *   STAGE 1: counts the digits in each tile
- *   STAGE 2: prefix sums of the counts, in one workgroup
+ *   STAGE 0: writes pairs (key, index of a ray)
+ *   STAGE 1: counts the digits in each tile, the pairs of a workgroup
+ *   STAGE 2: replaces the counts by their prefix sums, in one workgroup
  *   STAGE 3: moves the pairs to their places
+ *
+ * Stages 1 to 3 are repeated for each digit, from the lowest on. host/ray_order.cpp records the stages.
  */
 
 #version 460
@@ -24,7 +26,7 @@ layout(push_constant, scalar) uniform Arguments
 {
   uvec2 rays;       // used by STAGE 0 only
   uvec2 from, to;   // addresses of Pairs
-  uvec2 counts;     // [digit][tile]
+  uvec2 counts;     // address of an array of words, [digit][tile]
   uvec2 scene;
   uint count, rayWords, shift;   // count: rays; STAGE 2: tiles
 } arguments;
@@ -36,6 +38,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
 
 /* --- keys ------------------------------------------------------------------------------ */
 
+/* Moves bit i to bit 3i, for the lower 10 bits. */
 uint spreadThree (uint x)
 {
   x = (x | (x << 16)) & 0x030000FFu;
@@ -44,8 +47,8 @@ uint spreadThree (uint x)
   return (x | (x << 2)) & 0x09249249u;
 }
 
-/* 30 bits: 6 bits of each coordinate of the origin in Morton order, octant of the direction, 3 more bits of each
- * coordinate. */
+/* Key of 30 bits, from the highest on: 6 bits of each coordinate of the origin in Morton order, 3 bits for the octant
+ * of the direction, and 3 more bits of each coordinate. lower, upper: bounds of the scene. */
 uint keyOfRay (vec3 origin, vec3 direction, vec3 lower, vec3 upper)
 {
   uvec3 cell = uvec3(clamp((origin - lower)/max(upper - lower, vec3(1e-30)), 0.0, 1.0)*511.0);
@@ -84,7 +87,8 @@ void countTile ()
   barrier();
 }
 
-/* Counts to prefix sums. Returns the tile's count of digit gl_LocalInvocationID.x to the first threads. */
+/* Replaces the counts in `sums` by prefix sums. In the first orderDigits threads, returns the tile's count of digit
+ * gl_LocalInvocationID.x. */
 uint sumThreads ()
 {
   uint thread = gl_LocalInvocationID.x, sum = 0u;
@@ -106,7 +110,7 @@ void countDigits ()
     Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }
 
-/* of each thread's range of counts */
+/* Sum of each thread's range of counts. */
 shared uint partial[orderThreads];
 void sumDigits ()
 {

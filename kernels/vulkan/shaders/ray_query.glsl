@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* For ray queries and intersection shaders: intersects leaves whose boxes the driver finds. */
+/* For ray queries and intersection shaders: intersects the leaves whose boxes the driver finds. cbvh.glsl explains how
+ * applications use these functions. */
 
 #ifndef CBVH_RAY_QUERY_GLSL
 #define CBVH_RAY_QUERY_GLSL
@@ -11,6 +12,7 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
+/* State of a query: the nearest hit so far. */
 struct CbvhCandidates
 {
   CbvhHit hit;
@@ -24,7 +26,7 @@ CbvhCandidates cbvhNoCandidates (CbvhRay ray)
   return CbvhCandidates(none, vec2(-1.0), cbvhNoVertNearest());
 }
 
-/* Call it after intersecting all candidates. */
+/* Returns the nearest hit. Call it after intersecting all candidates. */
 CbvhHit cbvhHitOf (CbvhCandidates found)
 {
   CbvhHit hit = found.hit;
@@ -45,7 +47,8 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
   return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
 }
 
-/* placed: custom index of the instance. box: index of the primitive. ray: in the scene's space. */
+/* Intersects the leaf of a box. address: of the scene. placed: custom index of the instance. box: index of the
+ * primitive. ray: in the scene's space. */
 bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
 {
   if (!cbvhMayHit(ray)) return false;
@@ -79,8 +82,8 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
   if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
-/* Uses the library's top level. Scales the direction by a power of two, so that its largest component is in [1,2),
- * without rounding. */
+/* Traces a ray through the library's top level. Scales the direction by a power of two, so that its largest component
+ * is in [1,2), without rounding: drivers then need not handle directions of extreme length. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
   CbvhCandidates found = cbvhNoCandidates(ray);
@@ -110,7 +113,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   return isHit;
 }
 
-/* As cbvhIntersect and cbvhOccluded. */
+/* The same as cbvhIntersect and cbvhOccluded, by ray queries. */
 bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
 
 bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces a buffer of RTCRayHit, or of RTCRay with CBVH_ANY_HIT. CBVH_RAY_QUERY selects ray queries. */
+/* Traces a buffer of rays, a ray per invocation: RTCRayHit for the closest hit, or RTCRay for any hit if CBVH_ANY_HIT
+ * is defined. CBVH_RAY_QUERY selects ray queries. host/scene.cpp records it. */
 
 #version 460
 
@@ -26,10 +27,10 @@ layout(push_constant, scalar) uniform Arguments
   uvec2 scene;
   uvec2 rays;
   uvec2 order;     // pairs (key, index of a ray), or 0
-  uint first, count;
+  uint first, count; // index of the first ray, number of rays
 } arguments;
 
-/* in words */
+/* Layout of RTCRay and RTCRayHit, in words. */
 #ifdef CBVH_ANY_HIT
 const uint stride = 12u;
 #else

@@ -1,21 +1,22 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's triangle tests, with the same order of operations: Pluecker for grids and robust scenes, otherwise Moeller
- * and Trumbore. */
+/* Embree's triangle tests, with the same order of operations: Pluecker coordinates for grids and robust scenes,
+ * otherwise Moeller and Trumbore's test. */
 
 #ifndef CBVH_TRIANGLE_GLSL
 #define CBVH_TRIANGLE_GLSL
 
 #include "ray.glsl"
 
-/* x, y and z of a grid's vertices are arrays of `plane` words from word `first` on. */
+/* Vertex i of a grid, whose x, y and z are arrays of `plane` words from word `first` on. */
 vec3 cbvhGridVertex (CbvhPointer block, uint first, uint plane, uint i)
 {
   return vec3(cbvhFloat(block, first + i), cbvhFloat(block, first + plane + i), cbvhFloat(block, first + 2u*plane + i));
 }
 
-/* Indices of a triangle of the quad with vertex 00 at index i: 00, 10, 01 or 01, 10, 11. */
+/* Indices of a triangle of the quad with vertex 00 at index i: 00, 10, 01, or 01, 10, 11 for the second one. width:
+ * vertices per row. */
 uvec3 cbvhQuadTriangle (uint i, uint width, bool second)
 {
   return second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
@@ -28,7 +29,7 @@ struct CbvhTriangleHit
   vec3 Ng;
 };
 
-/* From the pair of edges with less cancellation, as in Embree. */
+/* Normal from the edges of a triangle. Uses the pair of edges with less cancellation on each axis, as in Embree. */
 vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
 {
   vec3 ab = a.zxy*b.yzx, bc = b.zxy*c.yzx;

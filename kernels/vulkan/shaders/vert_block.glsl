@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Intersects a ray with a cVERT block by kernels/cvert/rule/rule.h. For static blocks, decodes a row of vertices at a
- * time; for moving blocks, stores a group's vertices. Float tests select triangles, which are then tested exactly. */
+ * time; for moving blocks, stores the vertices of a group. Tests in float select triangles, which are then tested
+ * exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -10,7 +11,7 @@
 #include "vert_motion.glsl"
 #include "vert_triangle.glsl"
 
-/* Vertex i, j of group gx, gy in the world. moves: constant; if true, requires cbvhDecodeGroup. */
+/* World position of vertex i, j of group gx, gy. moves: compile-time constant; if true, requires cbvhDecodeGroup. */
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
                       const bool moves)
 {
@@ -25,7 +26,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 
 /* --- triangles ------------------------------------------------------------------------- */
 
-/* Triangles that the ray's line may pass: bits 2q and 2q + 1 for quad q. */
+/* Returns a mask of the triangles that the ray's line may pass through: bits 2q and 2q + 1 for quad q of the group. */
 uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                     const bool moves)
 {
@@ -64,7 +65,7 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
   return mask;
 }
 
-/* h: bit of cbvhTriangles */
+/* Tests a triangle exactly. Updates `hit` and `nearest` if it is hit. h: bit of cbvhTriangles. */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
   uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
@@ -87,12 +88,12 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, 
 }
 
 /* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to visit near groups first. alongX, alongY:
- * axes of the block. */
+ * directions of the block's rows and columns in world space. */
 uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
 
-/* Groups of a static block whose boxes the ray hits, with bit (x + 4y) ^ mirror. */
+/* Returns a mask of the groups of a static block whose boxes the ray hits: bit (x + 4y) ^ mirror for group x, y. */
 uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                  float tfar, uint mirror)
 {
@@ -120,8 +121,8 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, Cbvh
   return open;
 }
 
-/* Loops here and below have one exit: lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once while
- * others continue. */
+/* Intersects the triangles of a group. Loops here and below have one exit: lavapipe (Mesa 22.3) loses hits of rays that
+ * leave several loops at once while others continue. */
 bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -138,7 +139,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
   return found;
 }
 
-/* Traces static blocks. */
+/* Intersects a static block. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
@@ -173,6 +174,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   return found;
 }
 
+/* Intersects a moving block at the ray's time. */
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {

@@ -12,6 +12,7 @@
 #include "../../cvert/decoder/group_planes.h"
 #include "../../cvert/rule/rule.h"
 
+/* Values of a ray that all tests against boxes use. */
 struct CbvhVertRay
 {
   vec3 rcp;        // reciprocals of the direction, finite
@@ -27,7 +28,7 @@ CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
   return vert;
 }
 
-/* Axes of the boxes of a block that is not raw, and the ray along the sheared axis, relative to the block's origin. */
+/* Axes of the boxes of a block that is not raw, and the ray's sheared coordinate, relative to the block's origin. */
 struct CbvhVertAxes
 {
   uint boxForm;
@@ -36,7 +37,7 @@ struct CbvhVertAxes
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Factor of component k in the sheared coordinate. */
+/* Factor of world axis k in the sheared coordinate. */
 float cbvhShearOf (uint boxForm, int k)
 {
   int m = shearedAxis(boxForm);
@@ -55,7 +56,7 @@ CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPrepared
 float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlack(ray.org[k], axes.origin[k],
   axes.extent); }
 
-/* Widens the bounds by `slack` on each axis. */
+/* Returns false if the ray misses the bounds of a block, widened by `slack` on each axis. */
 bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
   float tfar)
 {
@@ -71,6 +72,7 @@ bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes a
   return interval.from <= interval.to;
 }
 
+/* Clips the ray by a group's planes on axis k. */
 RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                                  BoxPlanes planes, int k)
 {
@@ -80,7 +82,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, Cbvh
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* For a block that is not raw. c00 to c11: corners of group g. */
+/* Tests the box of group g of a block that is not raw. c00 to c11: coordinates of the group's corners. */
 bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar,
                           uint g, ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
@@ -93,7 +95,7 @@ bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay 
   return interval.from <= interval.to;
 }
 
-/* Tests a group of a raw block. */
+/* Tests the box of group g of a raw block. */
 bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -17,11 +17,12 @@ struct CbvhSegment
   float fraction;           // of the time from begin to end
 };
 
-/* Coordinates of groups' corners at both steps, row by row. */
+/* Coordinates of the first cell's vertices, the groups' corners, at both steps, row by row. */
 ivec3 cbvhCornersAtEnds[2][cellVertices];
 /* Vertices of the current group at the ray's time, row by row. */
 vec3 cbvhVerticesNow[cellVertices];
 
+/* Interpolates with a fixed sequence of roundings. */
 float cbvhBetween (float a, float b, float fraction)
 {
   precise float before = 1.0 - fraction;
@@ -35,7 +36,7 @@ vec3 cbvhBetween (vec3 a, vec3 b, float fraction) {
 
 /* --- steps ----------------------------------------------------------------------------- */
 
-/* False if the block does not exist then. Sets block.hasRaw. */
+/* Finds the segment that contains a time, and sets block.hasRaw. Returns false if the block does not exist then. */
 bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment segment)
 {
   VertMotion motion = motionOf(block.at);
@@ -51,6 +52,7 @@ bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment seg
 
 /* --- vertices -------------------------------------------------------------------------- */
 
+/* The step at the beginning (e = 0) or end (e = 1) of a segment. */
 StepView cbvhEnd (CbvhSegment segment, int e)
 {
   StepView step_ = segment.begin;
@@ -58,6 +60,7 @@ StepView cbvhEnd (CbvhSegment segment, int e)
   return step_;
 }
 
+/* Sets cbvhCornersAtEnds, except for raw steps. */
 void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
 {
   [[dont_unroll]] for (int e = 0; e < 2; e++)
@@ -124,7 +127,7 @@ CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay 
                       ray, vert);
 }
 
-/* motionSlack per axis. On the sheared axis, errors of the three components add up. */
+/* Returns motionSlack per axis. On the sheared axis, errors of the three components add up. */
 vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 {
   vec3 slack;
@@ -144,7 +147,7 @@ bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertR
   return cbvhIntersectsBounds(ray, vert, axes, reach, slack, tfar);
 }
 
-/* Requires cbvhDecodeCorners. */
+/* Tests the box of a group at the ray's time. Requires cbvhDecodeCorners. */
 bool cbvhIntersectsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
   CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)

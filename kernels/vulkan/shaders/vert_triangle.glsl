@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a cVERT triangle by kernels/cvert/rule/rule.h. */
+/* Intersects a ray with a triangle of a cVERT block or mesh block by kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_TRIANGLE_GLSL
 #define CBVH_VERT_TRIANGLE_GLSL
@@ -9,7 +9,7 @@
 #include "ray.glsl"
 #include "../../cvert/rule/rule.h"
 
-/* Maps the direction to axis kz, the axis of its largest component. */
+/* The shear that maps the ray's direction to axis kz, the axis of its largest component. */
 struct CbvhShear
 {
   int kz;
@@ -31,6 +31,7 @@ CbvhShear cbvhShear (vec3 dir)
   return shear;
 }
 
+/* Position of a vertex relative to the ray, perpendicular to axis kz. The ray passes through (0,0). */
 vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
 {
   precise vec3 r = cbvhPermuteAxes(shear.kz, vertex - org);
@@ -52,7 +53,7 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* The nearest hit in cVERT triangles. Keys break ties at the same distance. */
+/* The nearest hit in cVERT triangles. `name` orders hits at the same distance, see hasPrecedence. */
 struct CbvhVertNearest
 {
   bool isSet;

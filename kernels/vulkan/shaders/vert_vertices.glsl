@@ -10,9 +10,10 @@
 #include "memory.glsl"
 #include "../../cvert/decoder/cell_vertices.h"
 
+/* Members of VertHeader, and sizes that follow from them. */
 struct CbvhVertBlock
 {
-  uvec2 at;
+  uvec2 at;                             // address
   uint geomID;
   uint region, boxForm;
   uint groupsX, groupsY, groups, quadsX, quadsY;
@@ -41,6 +42,7 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
 vec3 cbvhOrigin (StepView step_) { return vec3(step_.origin[0], step_.origin[1], step_.origin[2]); }
 vec3 cbvhSpacing (StepView step_) { return vec3(step_.spacing.at[0], step_.spacing.at[1], step_.spacing.at[2]); }
 
+/* A defined value for cells that are not used. */
 CodedCell cbvhNoCell ()
 {
   CodedCell cell;
@@ -50,7 +52,7 @@ CodedCell cbvhNoCell ()
   return cell;
 }
 
-/* first: with the corners of all groups */
+/* The cell of a group at the first step. first: the first cell, whose vertices are the groups' corners. */
 CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
 {
   int i = int(gx), j = int(gy);
@@ -59,7 +61,7 @@ CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
                      vertexOfCell(block.at, first, i, j + 1), vertexOfCell(block.at, first, i + 1, j + 1));
 }
 
-/* In the world, for a step that is not raw. */
+/* World position of a vertex from its coordinates. Requires a step that is not raw. */
 vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
 {
   vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
@@ -70,7 +72,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
   return at;
 }
 
-/* Vertex of a raw step. */
+/* World position of a vertex of a raw step. */
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
