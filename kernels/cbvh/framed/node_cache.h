@@ -70,5 +70,6 @@ namespace embree
     };
 
     typedef ThreadCache<NodeEntries> NodeCache;
+    extern template class ThreadCache<NodeEntries>;
   }
 }
