@@ -16,15 +16,16 @@ thread_local bool isExhausted = false;
 thread_local unsigned refused = 0;
 }
 
-// Replaces the operator of the C++ library, also for the libraries that this program loads.
-void* operator new(std::size_t bytes)
+// Replaces the operators of the C++ library, also for the libraries that this program loads. Not inlined: GCC 14 warns
+// about a free() whose memory comes from operator new.
+__attribute__((noinline)) void* operator new(std::size_t bytes)
 {
   if (isExhausted) { refused++; throw std::bad_alloc(); }
   if (void* p = std::malloc(bytes ? bytes : 1)) return p;
   throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace cbvh::test {
 namespace {

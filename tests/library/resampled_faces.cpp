@@ -110,7 +110,7 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
     const LeafPatch leaf = decodeLeafOfBlock(at);
     const FrameMap map = frameMap(at.block);
     auto across = [&](double x, double y, double z) {
-      Double3 p;
+      Double3 p = {};
       EXPECT_TRUE(unproject(map, x, y, z, p));
       return (p.x*N[0] + p.y*N[1] + p.z*N[2])/n;
     };

@@ -7,6 +7,7 @@
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export XDG_CACHE_HOME=$folder/cache
+export XDG_RUNTIME_DIR=$folder # if it is not set, libwayland prints an error where GLFW 3.4 looks for a display
 failures=0
 
 # A cage of one quad with texture coordinates.

@@ -40,7 +40,7 @@ class Progress(unittest.TestCase):
 
     def test_nothing_is_printed(self):
         code = "import embree_cbvh as c; c.build(c.Model.scene('cube'), 'cvert', 4)"
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, check=True)
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 
     def test_exceptions_in_progress_stop_the_build(self):
@@ -166,7 +166,8 @@ begun.wait()
 time.sleep(float(sys.argv[1]))
 """ % os.path.dirname(os.path.abspath(__file__))
         for seconds in ("0", "0.02", "0.3"):
-            done = subprocess.run([sys.executable, "-c", program, seconds], capture_output=True, text=True, timeout=120)
+            done = subprocess.run([sys.executable, "-B", "-c", program, seconds], capture_output=True, text=True,
+                                  timeout=120)
             self.assertEqual((done.returncode, done.stderr), (0, ""), seconds)
 
 

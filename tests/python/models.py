@@ -127,7 +127,7 @@ class Scenes(unittest.TestCase):
             self.assertEqual(os.listdir(folder), [])
             code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
                     "try: c.Model.scene('trex', progress=stop)\nexcept LookupError: pass")
-            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
+            subprocess.run([sys.executable, "-B", "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
                            check=True)
             self.assertEqual(os.listdir(folder), ["embree-cbvh"])
         with self.assertRaisesRegex(cbvh.Error, "/dev/null"):

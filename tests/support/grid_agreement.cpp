@@ -78,7 +78,7 @@ double leastW(const FrameMap& map)
 {
   double least = INFINITY;
   for (int c = 0; c < 8; c++) {
-    Double3 p;
+    Double3 p = {};
     EXPECT_TRUE(unproject(map, c & 1, (c >> 1) & 1, c >> 2, p));
     least = std::min(least, map.W(p));
   }
@@ -113,7 +113,7 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
     found.outside = std::min(found.outside, outside);
     if (outside > hitError) continue;
     for (int c = 0; c < 8; c++) {
-      Double3 q;
+      Double3 q = {};
       EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1],
                             c & 4 ? upperOf(box, 2) : box.lower[2], q));
       found.reach = std::max(found.reach, length(q - p));

@@ -163,7 +163,7 @@ struct Displacement
   float scale = 1;
   Vec offset = {0, 0, 0};
   float lattice = 0; // if not 0, positions are multiples of it
-  std::function<bool(unsigned primID, float u, float v)> poison; // vertices that become NaN or infinite
+  std::function<bool(unsigned primID, float u, float v)> poison = {}; // vertices that become NaN or infinite
 
   static void apply(const RTCDisplacementFunctionNArguments* args)
   {

@@ -21,11 +21,21 @@ namespace {
 
 constexpr const char* layerName = "VK_LAYER_KHRONOS_validation";
 
+/* True if the layer reports how it was set up for instrumentation, as version 1.4 does: that core checks are enabled as
+ * well, and features and limits that it changes for its own purposes. */
+bool isAboutSetUp(const std::string& name, const std::string& message)
+{
+  return (name == "VALIDATION-SETTINGS" && has(message, "Core Check")) ||
+         (name == "WARNING-GPU-Assisted-Validation" && (has(message, "Internal Warning: Forcing VkPhysicalDevice") ||
+                                                        has(message, "Internal Warning: Setting VkPhysicalDevice")));
+}
+
 VKAPI_ATTR VkBool32 VKAPI_CALL keep(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
 {
-  static_cast<Messages*>(messages)->add(std::string(data->pMessageIdName ? data->pMessageIdName : "") + ": " +
-                                        (data->pMessage ? data->pMessage : ""));
+  const std::string name = data->pMessageIdName ? data->pMessageIdName : "";
+  const std::string message = data->pMessage ? data->pMessage : "";
+  if (!isAboutSetUp(name, message)) static_cast<Messages*>(messages)->add(name + ": " + message);
   return VK_FALSE;
 }
 

@@ -91,7 +91,7 @@ namespace embree
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
-          const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
+          const Bool away = (at.fromAbove & (along > Real(0.0f))) | (at.fromBelow & (along < Real(0.0f)));
           const Bool isMirrored = away & (along*along*ray.rcpDir2 < Real(mirroredSine2)*length2);
           const Real turn = select(isMirrored,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
             rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));

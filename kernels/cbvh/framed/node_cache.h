@@ -71,5 +71,6 @@ namespace embree
     };
 
     typedef ThreadCache<NodeEntries> NodeCache;
+    extern template class ThreadCache<NodeEntries>;
   }
 }

@@ -26,8 +26,8 @@ namespace embree
       __forceinline bool mayHit (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
-        return all(lt_mask(abs(Vec3fa(ray.org)),bound) & lt_mask(abs(Vec3fa(ray.dir)),bound))
-          & (ray.tnear() <= ray.tfar);
+        const bool isRange = ray.tnear() <= ray.tfar;
+        return all(lt_mask(abs(Vec3fa(ray.org)),bound) & lt_mask(abs(Vec3fa(ray.dir)),bound)) & isRange;
       }
 
       template<int K>

@@ -150,5 +150,7 @@ namespace embree
     typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;
+    extern template class ThreadCache<VertEntries>;
+    extern template class ThreadCache<MotionEntries>;
   }
 }

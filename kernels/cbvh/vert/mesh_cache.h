@@ -112,5 +112,7 @@ namespace embree
     typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries;
     typedef ThreadCache<MeshEntries> MeshCache;
     typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
+    extern template class ThreadCache<MeshEntries>;
+    extern template class ThreadCache<MeshMotionEntries>;
   }
 }
