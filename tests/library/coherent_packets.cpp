@@ -146,6 +146,37 @@ TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays)
   expectHitsOfSingleRays(scene, rays, inPackets(scene, rays));
 }
 
+// Any-hit rays with a negative tfar count as occluded, as in Embree, even if tnear is less.
+TEST_P(CoherentPackets, AnyHitRaysThatEndBeforeTheirOriginAreUnchanged)
+{
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings());
+  rtcCommitScene(scene);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  const std::vector<RTCRayHit> rays = pictureRays(32);
+  unsigned behind = 0;
+  for (size_t first = 0; first < rays.size(); first += N) {
+    alignas(64) RTCRay8 packet = {};
+    alignas(64) int valid[N];
+    for (unsigned k = 0; k < N; k++) {
+      const RTCRay& ray = rays[first + k].ray; // the surface is between the origin and twice the direction
+      packet.org_x[k] = ray.org_x + 2*ray.dir_x; packet.dir_x[k] = ray.dir_x;
+      packet.org_y[k] = ray.org_y + 2*ray.dir_y; packet.dir_y[k] = ray.dir_y;
+      packet.org_z[k] = ray.org_z + 2*ray.dir_z; packet.dir_z[k] = ray.dir_z;
+      packet.tnear[k] = -2;
+      packet.tfar[k] = -0.001f;
+      packet.mask[k] = ~0u;
+      valid[k] = -1;
+      behind += isHit(intersect(scene, rays[first + k]));
+    }
+    rtcOccluded8(valid, scene, &context, &packet);
+    for (unsigned k = 0; k < N; k++) ASSERT_EQ(packet.tfar[k], -0.001f) << "ray " << first + k;
+  }
+  EXPECT_GT(behind, 100u);
+}
+
 // --- filters -------------------------------------------------------------------------------------
 
 struct SeenHit { float t, u, v; unsigned primID; };

@@ -174,7 +174,9 @@ namespace embree
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
-        const Traced traced = tracePacket(validOf<K>(*mask,rays),This,rays,context);
+        // Embree marks any-hit rays that found a hit by a negative tfar
+        const vbool<K> valid = validOf<K>(*mask,rays) & (rays.tfar >= vfloat<K>(zero));
+        const Traced traced = tracePacket(valid,This,rays,context);
         traceOneByOne<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
         if (any(traced.ended)) vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
