@@ -5,11 +5,23 @@
 # Builds on a fresh Debian 12 or 13 what the pictures require. Renders trex in cVERT, then trex and cube in every
 # representation, with speeds and errors.
 #
-#   scripts/demo.sh [DIRECTORY]    writes the pictures to DIRECTORY (default: output/demo)
+#   scripts/demo.sh [--build] [--short] [DIRECTORY]    writes the pictures to DIRECTORY (default: output/demo)
+#
+#   --build    builds even if output/ has a wheel or Debian packages that fit, see scripts/prebuilt.sh
+#   --short    renders only the first picture
 #
 # The library in build/demo supports only this machine's instruction set, subdivision surfaces, triangles and single
 # rays. scripts/test.sh builds the complete library in build/host and tests it.
 
+build=no short=no
+while :; do
+  case ${1:-} in
+    --build) build=yes ;;
+    --short) short=yes ;;
+    *) break ;;
+  esac
+  shift
+done
 arguments=1
 . "$(dirname -- "$0")/lib.sh"
 output=${1:-output/demo}
@@ -17,16 +29,25 @@ output=${1:-output/demo}
 # render DIRECTORY SCENE OPTION...
 render() {
   directory=$1 scene=$2; shift 2
-  build/demo/tutorials/render/cbvh_render --scene "$scene" --output "$output/$directory" "$@"
+  "$program" --scene "$scene" --output "$output/$directory" "$@"
 }
 
-phase "packages" install_packages "the demo does not require"
-phase "configure, get upstream" configure demo
-phase "build for this machine alone" build demo embree cbvh_render
+if [ $build = no ] && scripts/prebuilt.sh; then
+  program=build/prebuilt/cbvh_render
+else
+  program=build/demo/tutorials/render/cbvh_render
+  phase "packages" install_packages "the demo does not require"
+  phase "configure, get upstream" configure demo
+  phase "build for this machine alone" build demo embree cbvh_render
+fi
 phase "render trex" render . trex --level 6
-phase "compare trex" render trex trex --compare --speed --exr
-phase "compare trex from near" render trex_close trex --view close --compare --exr
-phase "compare cube" render cube cube --compare --speed --exr
+if [ $short = no ]; then
+  phase "compare trex" render trex trex --compare --speed --exr
+  phase "compare trex from near" render trex_close trex --view close --compare --exr
+  phase "compare cube" render cube cube --compare --speed --exr
+fi
 
+echo "== program"
+echo "$program"
 echo "== pictures"
 find "$output" -type f \( -name '*.png' -o -name '*.exr' \) | sort

@@ -69,12 +69,17 @@ install_packages() {
   done
   [ -n "$missing" ] || { echo "every package is present"; return 0; }
   echo "installing$missing"
+  # shellcheck disable=SC2086
+  run_apt install $missing
+}
+
+# run_apt COMMAND ARGUMENT...: apt-get as root, without questions, after an update of its lists
+run_apt() {
   sudo=
   [ "$(id -u)" = 0 ] || sudo=sudo
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 update || return
-  # shellcheck disable=SC2086
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 \
-    install --no-install-recommends $missing
+    --no-install-recommends "$@"
 }
 
 # configure [PRESET]

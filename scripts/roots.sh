@@ -12,8 +12,9 @@
 #
 # If the root file system does not exist, debootstrap creates it in build/roots/NAME from the mirror of this machine's
 # apt. CBVH_ROOTS replaces build/roots; DEBIAN_MIRROR replaces the mirror. It is kept with its packages, and with one
-# clone and build per compiler. An archive of Embree's source in ../shared/upstream is the fallback if the package
-# registry does not answer. Requires root, debootstrap, git, and 1 GB of disk; 6 GB for scripts/test.sh.
+# clone and build per compiler. An archive of Embree's source in ../shared/upstream, or of an earlier build here, is the
+# fallback if the package registry does not answer. Requires root, debootstrap, git, and 1 GB of disk; 6 GB for
+# scripts/test.sh.
 
 distribution=${1:-}
 [ "$#" = 0 ] || shift
@@ -93,7 +94,7 @@ get_sources() {
     git -C "$clone" fetch -q "$root" HEAD && git -C "$clone" reset -q --hard FETCH_HEAD
   fi || return
   git -C "$clone" log -1 --format='%h %s'
-  for archive in "$root"/../shared/upstream/embree_*.orig.tar.xz; do
+  for archive in "$root"/../shared/upstream/embree_*.orig.tar.xz "$root"/.upstream/embree_*.orig.tar.xz; do
     [ -e "$archive" ] || continue
     mkdir -p "$base$home/shared/upstream"
     cp "$archive" "$base$home/shared/upstream/"

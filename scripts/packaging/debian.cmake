@@ -72,8 +72,8 @@ macro(cbvh_package component name replaced multiarch section summary)
     set(CPACK_DEBIAN_${key}_PACKAGE_REPLACES ${replaced})
   endif()
   set(CPACK_COMPONENT_${key}_DESCRIPTION "${summary}\n${about}")
-  install(FILES "${CMAKE_SOURCE_DIR}/scripts/packaging/copyright" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}"
-    COMPONENT ${component})
+  install(FILES "${CMAKE_SOURCE_DIR}/scripts/packaging/copyright" "${CMAKE_BINARY_DIR}/sources.sha256"
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}" COMPONENT ${component})
 endmacro()
 
 cbvh_package(lib libembree3-cbvh libembree3-3 same libs "Ray tracing kernels with compressed subdivision surfaces")

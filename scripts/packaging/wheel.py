@@ -237,6 +237,7 @@ def main():
         shutil.copyfile(ROOT / "tutorials/python/trimesh_rays.py", package / "trimesh_rays.py")
         copy_licenses(sources, libraries, stage / info / "licenses")
         write_metadata(stage / info, cache, f"{major}.{minor}", tag)
+        shutil.copyfile(build / "sources.sha256", stage / info / "sources.sha256")  # for scripts/prebuilt.sh
 
         problems, _ = wheel_check.problems_of(stage, wheel_check.NEWEST[TAG])
         if problems:

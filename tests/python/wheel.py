@@ -65,8 +65,9 @@ def main():
         package = next(environment.glob("lib/python3.*/site-packages/embree_cbvh"))
         check_libraries(package)
         use = pathlib.Path(__file__).with_name("wheel_in_use.py")
-        for others in ([], ["libembree3.so.3", "libembree4.so.4"]):
-            print(run(python, "-B", use, package, version, *others, folder=work), end="")
+        for order in ([], ["before"], ["after"]):
+            others = ["libembree3.so.3", "libembree4.so.4"] if order else []
+            print(run(python, "-B", use, package, version, *order, *others, folder=work), end="")
 
         for program in ("cbvh_render", "cbvh_pathtracer", "cbvh_terrain"):
             assert "--help" in run(environment / "bin" / program, "--help", folder=work)

@@ -3,7 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Uses the module in a virtual environment, for wheel.py.
 
-    wheel_in_use.py PACKAGE-FOLDER VERSION [LIBRARY...]    LIBRARY is loaded before, if the machine has it
+    wheel_in_use.py PACKAGE-FOLDER VERSION [before|after LIBRARY...]
+
+Loads another Embree, if the machine has it, before or after the module, and uses it afterwards.
 """
 
 import ctypes
@@ -12,16 +14,34 @@ import struct
 import sys
 import zlib
 
-# Another Embree, whose functions the dynamic linker finds first, as in a renderer with an embedded Python.
-OTHERS = sys.argv[3:]
-for other in OTHERS:
-    try:
-        ctypes.CDLL(other, ctypes.RTLD_GLOBAL)
-        print("next to", other)
-    except OSError:
-        pass
+ORDER, OTHERS = "".join(sys.argv[3:4]), {}
+
+
+def load_others():
+    """The functions of OTHERS are global, as in a renderer with an embedded Python."""
+    for name in sys.argv[4:]:
+        try:
+            OTHERS[name] = ctypes.CDLL(name, ctypes.RTLD_GLOBAL)
+            print(f"{name} is loaded {ORDER} the module")
+        except OSError:
+            pass
+
+
+if ORDER == "before":  # the dynamic linker then finds their functions first
+    load_others()
 
 import numpy as np
+
+
+def version_of(embree):
+    embree.rtcNewDevice.argtypes, embree.rtcNewDevice.restype = [ctypes.c_char_p], ctypes.c_void_p
+    embree.rtcGetDeviceProperty.argtypes = [ctypes.c_void_p, ctypes.c_int]
+    embree.rtcGetDeviceProperty.restype = ctypes.c_ssize_t
+    embree.rtcReleaseDevice.argtypes, embree.rtcReleaseDevice.restype = [ctypes.c_void_p], None
+    device = embree.rtcNewDevice(None)
+    version = embree.rtcGetDeviceProperty(device, 0)  # RTC_DEVICE_PROPERTY_VERSION, such as 40303
+    embree.rtcReleaseDevice(device)
+    return version
 
 
 def loaded_libraries():
@@ -31,6 +51,9 @@ def loaded_libraries():
 
 import embree_cbvh as cbvh
 from embree_cbvh.trimesh_rays import RayMeshIntersector
+
+if ORDER == "after":
+    load_others()
 
 
 class Grid:
@@ -93,10 +116,13 @@ def main():
     below = np.array([[0.9, 0.1, -1], [0.1, 0.9, -1], [17, 0.2, -1]]) / [16, 16, 1]
     assert RayMeshIntersector(Grid()).intersects_first(below, [[0, 0, 1]] * 3).tolist() == [0, 1, -1]
 
+    for name, embree in OTHERS.items():
+        assert f"libembree{version_of(embree) // 10000}.so" in name, f"{name} answers as {version_of(embree)}"
+
     files = loaded_libraries()
     ours = {file for file in files if package in file.parents}
     assert any(file.name.startswith("libembree_cbvh-") for file in ours), ours
-    if not OTHERS:
+    if not ORDER:
         names = "OpenImageIO OpenEXR Imath Iex IlmThread tbb tiff jpeg png osd gomp boost embree".split()
         others = {file for file in files - ours if file.name.startswith(tuple("lib" + name for name in names))}
         assert not others, f"loaded from elsewhere: {others}"
