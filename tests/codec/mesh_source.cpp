@@ -302,8 +302,8 @@ std::vector<Cluster> clustersOf(std::vector<MeshCenter> centers, uint32_t groupT
     [&](uint32_t i, float lower[3], float upper[3]) {
       for (int k = 0; k < 3; k++) { lower[k] = boxes[i].at[k] - 0.5f*size; upper[k] = boxes[i].at[k] + 0.5f*size; }
     },
-    [&](const MeshCenter* cluster, uint32_t n, const MeshGroups& groups) {
-      found.push_back({ { cluster, cluster + n }, { groups.ends, groups.ends + groups.count } });
+    [&](const MeshCenter* cluster, const MeshGroups& groups) {
+      found.push_back({ { cluster, cluster + groups.numTriangles() }, { groups.ends, groups.ends + groups.count } });
     });
   return found;
 }

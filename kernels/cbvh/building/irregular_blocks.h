@@ -91,9 +91,7 @@ namespace embree
       void write (cbvh::MeshClusters& clusters, const range<size_t>& part, const std::unique_ptr<Writer>& writer)
       {
         clusters.cut(triangles.centers.data()+part.begin(),part.size(),boundsOf(),
-          [&](const cbvh::MeshCenter* cluster, uint32_t, const cbvh::MeshGroups& groups) {
-            writer->write(cluster,groups);
-          });
+          [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
       /*! Halves each part that is too large for a task. Returns false if there is none. depth: number of previous

@@ -39,7 +39,7 @@ namespace embree
         });
         if (n == 0) return;
         const cbvh::MovingCluster moving = { triangles,ids,stored,from.mesh.areHalvesOfQuads(),plan.surface,
-         plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
+          plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
         cbvh::MeshStatistics ofBlocks;
         encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
           [&](uint32_t step, uint32_t id, float out[3]) {

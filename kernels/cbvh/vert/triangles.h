@@ -63,7 +63,7 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Range of distances that a hit can have: those of the triangle's vertices along the largest axis. */
+        /*! Bounds the distance of a hit by the distances of the three vertices along the largest axis. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];

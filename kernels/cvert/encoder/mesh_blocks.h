@@ -58,8 +58,8 @@ namespace cvert { inline namespace CVERT_ISA
       MeshClusters clusters(settings.groupTriangles);
       clusters.cut(centers.data(),centers.size(),
         [&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
-        [&](const MeshCenter* cluster, uint32_t count, const MeshGroups& groups) {
-          encodeCluster(mesh,cluster,count,groups,report.statistics,onBlock);
+        [&](const MeshCenter* cluster, const MeshGroups& groups) {
+          encodeCluster(mesh,cluster,groups,report.statistics,onBlock);
         });
       return report;
     }
@@ -107,10 +107,10 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     template<typename OnBlock>
-    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, const MeshGroups& groups,
+    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, const MeshGroups& groups,
       MeshStatistics& statistics, const OnBlock& onBlock)
     {
-      for (uint32_t i=0; i<count; i++)
+      for (uint32_t i=0; i<groups.numTriangles(); i++)
       {
         const uint32_t index = cluster[i].index;
         for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);

@@ -30,6 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t count = 0;
 
     void add (uint32_t end) { ends[count++] = end; }
+    uint32_t numTriangles () const { return count == 0 ? 0 : ends[count-1]; }
   };
 
   class MeshClusters
@@ -43,8 +44,8 @@ namespace cvert { inline namespace CVERT_ISA
     /*! cut() applies divide() to larger parts. Threads can cut both halves concurrently, each with its own object. */
     static const size_t partTriangles = 4096;
 
-    /*! Reorders triangles and calls onCluster(triangles,count,groups) for each cluster, in order. boundsOf(index,lower,
-     *  upper): sets the bounds of a triangle. depth: number of divisions by divide() that lead to these triangles. */
+    /*! Reorders triangles and calls onCluster(triangles,groups) for each cluster, in order. boundsOf(index,lower,upper)
+     *  sets the bounds of a triangle. depth: number of divisions by divide() that lead to these triangles. */
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
       uint32_t depth = 0)
@@ -60,7 +61,7 @@ namespace cvert { inline namespace CVERT_ISA
       cutBins(0,count,[&](size_t first, uint32_t begin, uint32_t end, const MeshGroups& groups) {
           for (uint32_t i=begin; i<end; i++)
             triangles[first+i] = part->centers[part->items[first+part->order[0][i]].index()];
-          onCluster(triangles+first+begin,end-begin,groups);
+          onCluster(triangles+first+begin,groups);
         });
     }
 
@@ -248,6 +249,8 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(to-items);
     }
 
+    /*! first: first item of the part. onCluster(first,begin,end,groups): the items of the cluster are those from begin
+     *  to end in part->order. */
     template<typename OnCluster>
     void cutBins (size_t first, size_t count, const OnCluster& onCluster)
     {

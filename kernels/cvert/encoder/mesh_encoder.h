@@ -73,7 +73,7 @@ namespace cvert { inline namespace CVERT_ISA
         const MeshStatistics before = statistics;
         size_t bytes = encode(triangles+first,rest.ends,rest.count,surface,block,stored,statistics);
         const uint32_t next = first+stored;
-        if (areHalvesOfQuads && next < groups.ends[groups.count-1]
+        if (areHalvesOfQuads && next < groups.numTriangles()
           && triangles[next].number == (triangles[next-1].number | 1)) {
           for (uint32_t g=0; g<rest.count; g++) rest.ends[g] = std::min(rest.ends[g],stored-1);
           statistics = before;
