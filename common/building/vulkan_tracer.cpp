@@ -138,11 +138,22 @@ std::unique_ptr<VulkanTracer> VulkanTracer::create(const std::string& name, RTCS
   return std::make_unique<Tracer>(name, scene);
 }
 
+std::shared_ptr<void> keepTraceDeviceOpen(const std::string& device)
+{
+  return device == "cpu" ? nullptr : openDevice(device);
+}
+
 #else
 
 std::unique_ptr<VulkanTracer> VulkanTracer::create(const std::string& name, RTCScene)
 {
   validateTraceDevice(name);
+  return nullptr;
+}
+
+std::shared_ptr<void> keepTraceDeviceOpen(const std::string& device)
+{
+  validateTraceDevice(device);
   return nullptr;
 }
 

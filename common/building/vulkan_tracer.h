@@ -38,6 +38,10 @@ public:
 /* `device` is "cpu" or a name as in VulkanTracer::create. Throws Error. */
 std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scene);
 
+/* Keeps the device open between tracers while the result exists, because each opening compiles the shaders. `device`
+ * is as in makeTracer. Throws Error. */
+std::shared_ptr<void> keepTraceDeviceOpen(const std::string& device);
+
 /* Throws Error unless this build supports makeTracer(name). */
 void validateTraceDevice(const std::string& name);
 

@@ -202,6 +202,7 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
 SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const SheetSettings& settings,
                            unsigned threads)
 {
+  const std::shared_ptr<void> open = keepTraceDeviceOpen(settings.device);
   SheetCrossings all;
   Draws draws(settings.seed);
   std::mutex mutex;

@@ -31,7 +31,7 @@ struct Agreement
   }
 };
 
-class VulkanAgreement : public VulkanTest
+class VulkanAgreement : public SharedVulkanTest
 {
 protected:
   Random random{71};

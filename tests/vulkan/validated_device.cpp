@@ -328,4 +328,40 @@ void VulkanTest::TearDown()
   EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
 }
 
+std::unique_ptr<SharedVulkanTest::Devices> SharedVulkanTest::shared;
+
+void SharedVulkanTest::SetUpTestSuite()
+{
+  useCacheFolderOfTests();
+  shared = std::make_unique<Devices>();
+  if (!ValidatedDevice::missing().empty()) return;
+  shared->vulkan = std::make_unique<ValidatedDevice>();
+  shared->device.reset(rtcNewVulkanDeviceFromHandles(shared->embree, &shared->vulkan->handles));
+  ASSERT_TRUE(shared->device) << shared->embree.message;
+}
+
+void SharedVulkanTest::TearDownTestSuite()
+{
+  shared->device.reset();
+  shared.reset();
+}
+
+void SharedVulkanTest::skipProgram(const std::string& reason)
+{
+  GTEST_SKIP() << "all tests of this program are skipped: " << reason;
+}
+
+void SharedVulkanTest::SetUp()
+{
+  if (!vulkan) return skipProgram(ValidatedDevice::missing());
+  ASSERT_TRUE(device);
+}
+
+void SharedVulkanTest::TearDown()
+{
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
+  if (!vulkan) return;
+  for (const std::string& message : vulkan->validation.messages.take()) ADD_FAILURE() << message;
+}
+
 } // namespace cbvh::test

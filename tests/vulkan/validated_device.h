@@ -151,4 +151,35 @@ protected:
   VulkanDevice device;
 };
 
+/* As VulkanTest, but all tests of the suite share the devices, because compiling the shaders takes longer than most
+ * tests. Each test checks the validation layer's messages; the last one also checks those of the devices' end. */
+class SharedVulkanTest : public testing::Test
+{
+  struct Devices
+  {
+    Device embree;
+    std::unique_ptr<ValidatedDevice> vulkan;
+    VulkanDevice device;
+  };
+  static std::unique_ptr<Devices> shared;
+
+protected:
+  static void SetUpTestSuite();
+  static void TearDownTestSuite();
+  void SetUp() override;
+  void TearDown() override;
+
+  // Skips the test. Use it if the reason skips all tests of the program: ctest recognizes the message.
+  static void skipProgram(const std::string& reason);
+
+  VulkanDevice open(const RTCVulkanHandles& handles)
+  {
+    return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
+  }
+
+  Device& embree = shared->embree;
+  const std::unique_ptr<ValidatedDevice>& vulkan = shared->vulkan;
+  const VulkanDevice& device = shared->device;
+};
+
 } // namespace cbvh::test

@@ -24,7 +24,7 @@ struct Differences
   size_t otherAny = 0;  // any hit differs from closest hit
 };
 
-class VulkanRayQuery : public VulkanTest
+class VulkanRayQuery : public SharedVulkanTest
 {
 protected:
   Random random{91};
@@ -32,8 +32,8 @@ protected:
 
   void SetUp() override
   {
-    VulkanTest::SetUp();
-    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
+    SharedVulkanTest::SetUp();
+    if (vulkan && !vulkan->handles.hasRayQuery) skipProgram(vulkan->name + " does not support ray queries");
   }
 
   SurfaceSettings settings(RTCCompression compression, float rate = 16)
