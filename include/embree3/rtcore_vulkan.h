@@ -53,7 +53,7 @@ struct RTCVulkanDeviceInfo
   size_t structSize RTC_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
   char name[256];           /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
   char driver[256];         /* name and version of the driver */
-  char unsupported[256];    /* features that the device lacks, as text; empty if it is supported */
+  char unsupported[256];    /* features that the device lacks, or an error of its driver; empty if it is supported */
   unsigned int isDiscrete;  /* 1 if the device has its own memory */
   unsigned int hasFloat64;
   size_t memoryBytes;       /* size of the largest heap of the device's memory */

@@ -135,6 +135,8 @@ TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
 
 TEST_F(VulkanLoader, OpeningDoesNotLeak)
 {
+  // one device: if one of several fails, another is opened
+  faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.resize(1); };
   expectAll(failEverything([&] { return bool(openOwn()); }),
             {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice",
              "CreateCommandPool"});
@@ -188,6 +190,40 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
     EXPECT_FALSE(openOwn(which.c_str()));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
     EXPECT_TRUE(has(embree.message, infos[0].name) && has(embree.message, "1.2 is needed")) << embree.message;
+  }
+}
+
+// Two devices, one of which fails while it is examined.
+TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices)
+{
+  const char* const function = "EnumerateDeviceExtensionProperties";
+  faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.assign(2, VkPhysicalDevice(devices[0])); };
+  RTCVulkanDeviceInfo infos[2];
+  const unsigned before = faults->calls(function);
+  ASSERT_EQ(rtcGetVulkanDevices(embree, infos, 2), 2u);
+  const unsigned callsPerDevice = (faults->calls(function) - before)/2;
+  ASSERT_GT(callsPerDevice, 0u);
+  const std::string name = infos[0].name;
+  for (unsigned broken : {0u, 1u}) {
+    SCOPED_TRACE(broken);
+    const auto failOnce = [&] { faults->fail(function, 1 + broken*callsPerDevice, VK_ERROR_INITIALIZATION_FAILED); };
+    failOnce();
+    EXPECT_EQ(rtcGetVulkanDevices(embree, infos, 2), 2u);
+    EXPECT_TRUE(faults->hasFailed());
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
+    EXPECT_TRUE(has(infos[broken].unsupported, "VK_ERROR_INITIALIZATION_FAILED")) << infos[broken].unsupported;
+    EXPECT_EQ(infos[broken].name, name);
+    EXPECT_STREQ(infos[1 - broken].unsupported, "");
+
+    failOnce();
+    EXPECT_TRUE(openOwn()) << embree.message;
+    EXPECT_TRUE(faults->hasFailed());
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
+
+    failOnce();
+    EXPECT_FALSE(openOwn(std::to_string(broken).c_str()));
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_UNKNOWN);
+    EXPECT_TRUE(has(embree.message, name) && has(embree.message, "VK_ERROR_INITIALIZATION_FAILED")) << embree.message;
   }
 }
 

@@ -155,9 +155,9 @@ std::vector<VkPhysicalDevice> VulkanInstance::devices() const
 
 /* --- devices ---------------------------------------------------------------------------- */
 
-Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device)
+/* Sets the name first, which is then known if a later call fails. */
+static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice device, Capabilities& out)
 {
-  Capabilities out;
   out.info = RTCVulkanDeviceInfo();
   vk.GetPhysicalDeviceProperties(device, &out.properties);
   vk.GetPhysicalDeviceMemoryProperties(device, &out.memory);
@@ -170,7 +170,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
   if (out.properties.apiVersion < VK_API_VERSION_1_2) {
     setText(out.info.unsupported,
             "its driver has Vulkan " + versionText(out.properties.apiVersion) + ", 1.2 is needed");
-    return out;
+    return;
   }
 
   out.hasHostImport = hasExtension(vk, device, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
@@ -227,6 +227,23 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
   if (out.computeFamily == ~0u)
     missing += std::string(missing.empty() ? "" : ", and ") + "it has no queue that computes";
   setText(out.info.unsupported, missing);
+}
+
+Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device)
+{
+  Capabilities out;
+  readCapabilities(vk, device, out);
+  return out;
+}
+
+Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device)
+{
+  Capabilities out;
+  try { readCapabilities(vk, device, out); }
+  catch (const VulkanError& error) {
+    out.driverError = error.code;
+    setText(out.info.unsupported, std::string("its driver failed: ") + error.what());
+  }
   return out;
 }
 
@@ -240,15 +257,17 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& w
   std::string known, unsupported;
   VkPhysicalDevice best = VK_NULL_HANDLE;
   bool isBestDiscrete = false;
+  RTCError unsupportedError = RTC_ERROR_UNSUPPORTED_CPU;
   for (size_t i = 0; i < devices.size(); i++)
   {
-    const Capabilities c = capabilitiesOf(vulkan.vk, devices[i]);
+    const Capabilities c = examineDevice(vulkan.vk, devices[i]);
     known += (known.empty() ? "" : ", ") + std::to_string(i) + " " + c.info.name;
     const bool fits = isIndex ? std::to_string(i) == which
                               : lowerCase(c.info.name).find(lowerCase(which)) != std::string::npos;
     if (!fits) continue;
     if (c.info.unsupported[0]) {
       unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupported;
+      unsupportedError = c.driverError != RTC_ERROR_NONE ? c.driverError : RTC_ERROR_UNSUPPORTED_CPU;
       continue;
     }
     if (best && (isBestDiscrete || !c.info.isDiscrete)) continue;
@@ -256,7 +275,7 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& w
     isBestDiscrete = c.info.isDiscrete;
   }
   if (best) return best;
-  if (!unsupported.empty()) throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "the Vulkan device " + unsupported);
+  if (!unsupported.empty()) throw VulkanError(unsupportedError, "the Vulkan device " + unsupported);
   throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "there is no Vulkan device '" + which + "', there are: " + known);
 }
 

@@ -38,6 +38,7 @@ private:
 struct Capabilities
 {
   RTCVulkanDeviceInfo info;
+  RTCError driverError = RTC_ERROR_NONE; // set by examineDevice
   bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
   size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures, in bytes
   uint64_t maxBoxes = 0, maxInstances = 0; // per bottom level, and per top level
@@ -50,9 +51,13 @@ struct Capabilities
   uint8_t cacheID[VK_UUID_SIZE];    // identifies the driver version that cached pipelines are for
 };
 
-/* Reads the properties of a device. If the device cannot be used, info.unsupported says why, and other members may keep
- * their defaults. */
+/* Reads the properties of a device. If the device cannot be used, info.unsupported contains the reason, and other
+ * members may keep their defaults. Throws VulkanError if the driver fails. */
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
+
+/* Same, but if the driver fails, sets info.name, info.unsupported and driverError, so that a broken driver does not hide
+ * other devices. */
+Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device);
 
 /* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which);

@@ -138,7 +138,7 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
     const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
     for (size_t i = 0; i < numWritten; i++) written.at(i); // checks all sizes before writing
     for (size_t i = 0; i < numWritten; i++)
-      core::writeStruct(written.at(i), capabilitiesOf(vulkan.vk, devices[i]).info);
+      core::writeStruct(written.at(i), examineDevice(vulkan.vk, devices[i]).info);
     count = (unsigned int)devices.size();
   });
   return count;
