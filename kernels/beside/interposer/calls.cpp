@@ -4,6 +4,7 @@
 /* Overrides Embree's functions for devices, scenes, instances, and the lifetime of geometries. Each passes the call to
  * Embree (REAL) and keeps Objects consistent. Compressed geometry is built when its scene is committed. */
 
+#include "devices.h"
 #include "objects.h"
 #include "options.h"
 
@@ -27,8 +28,8 @@ std::string threadsOf(const char* config)
   return "";
 }
 
-std::mutex& settingsMutex = *new std::mutex;
-std::map<RTCDevice, std::string>& settingsOfDevices = *new std::map<RTCDevice, std::string>;
+/* Never destroyed, because programs release devices in destructors of static objects. */
+Devices& devices = *new Devices;
 
 bool isInstance(RTCGeometryType type) {
   return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
@@ -124,10 +125,27 @@ private:
 RTC_API RTCDevice rtcNewDevice(const char* config)
 {
   const RTCDevice device = REAL(rtcNewDevice)(config);
-  if (device && isActive()) {
-    const std::lock_guard<std::mutex> lock(settingsMutex);
-    settingsOfDevices[device] = threadsOf(config);
-  }
+  if (device && isActive()) devices.add(device, threadsOf(config));
+  return device;
+}
+
+RTC_API void rtcRetainDevice(RTCDevice device)
+{
+  REAL(rtcRetainDevice)(device);
+  if (isActive()) devices.retain(device);
+}
+
+RTC_API void rtcReleaseDevice(RTCDevice device)
+{
+  if (isActive()) devices.release(device);
+  REAL(rtcReleaseDevice)(device);
+}
+
+/* The caller must release the result. */
+RTC_API RTCDevice rtcGetSceneDevice(RTCScene scene)
+{
+  const RTCDevice device = REAL(rtcGetSceneDevice)(scene);
+  if (isActive()) devices.retain(device);
   return device;
 }
 
@@ -224,12 +242,7 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
   if (!geometry || !isActive()) return geometry;
   if (isInstance(type)) Objects::get().addGeometry(geometry, nullptr);
   if (!options().compresses(type)) return geometry;
-  std::string settings;
-  {
-    const std::lock_guard<std::mutex> lock(settingsMutex);
-    settings = settingsOfDevices[device];
-  }
-  if (Substituted* const substituted = Substituted::make(device, settings, geometry, type))
+  if (Substituted* const substituted = Substituted::make(device, devices.settingsOf(device), geometry, type))
     Objects::get().addGeometry(geometry, substituted);
   return geometry;
 }

@@ -208,6 +208,7 @@ private:
   void meshes();
   void cancelling();
   void threads();
+  void devices();
 
   const RTCDevice device;
   Hits& hits;
@@ -628,13 +629,33 @@ void Program::threads()
   rtcReleaseScene(scene);
 }
 
+/* References to a device, also from scenes. Geometry is compressed until the last one is released. */
+void Program::devices()
+{
+  const RTCDevice own = rtcNewDevice("threads=1");
+  rtcRetainDevice(own);
+  rtcReleaseDevice(own);
+  const RTCScene scene = rtcNewScene(own);
+  const RTCDevice same = rtcGetSceneDevice(scene);
+  CHECK(same == own);
+  rtcReleaseDevice(own); // `same` holds a reference
+  const RTCGeometry geometry = host::Cube().newInHost(same, 24);
+  rtcAttachGeometryByID(scene, geometry, 2);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  CHECK(rtcGetDeviceError(same) == RTC_ERROR_NONE);
+  rtcReleaseDevice(same);
+  shoot(scene);
+  rtcReleaseScene(scene);
+}
+
 void Program::run()
 {
   const std::pair<const char*, void (Program::*)()> uses[] = {
     {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry},
     {"masks", &Program::masks}, {"instances", &Program::instances}, {"edits", &Program::edits},
     {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads},
-    {"cancelling", &Program::cancelling}};
+    {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
