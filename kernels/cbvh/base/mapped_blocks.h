@@ -22,19 +22,19 @@ namespace embree
 
     /*! Checks a block if its address belongs to a mapped file. Only isUsable calls it, for addresses in the range. Null
      *  until a file is mapped. */
-    extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid;
+    extern std::atomic<bool (*) (const void* block, BlockFormat format)> isMappedBlockValid;
 
     /*! True if a block may be decoded. Otherwise callers must treat it as a block without quads or triangles. The
      *  device receives one error per geometry. */
-    __forceinline bool isUsable (const void* block, BlockForm form)
+    __forceinline bool isUsable (const void* block, BlockFormat format)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
       /* Relaxed: while another thread maps the first file, this thread may see a range that contains `block`, but no
        * function yet. `block` is then not mapped, because rays reach mapped blocks only after the commit of their
        * scene. */
-      bool (*const isValid) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
-      return !isValid || isValid(block,form);
+      bool (*const isValid) (const void*, BlockFormat) = isMappedBlockValid.load(std::memory_order_relaxed);
+      return !isValid || isValid(block,format);
     }
   }
 }

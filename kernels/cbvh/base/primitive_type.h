@@ -4,8 +4,8 @@
 #pragma once
 
 /* Types of leaves of the top-level BVH4. Types 0 and 1 are Embree's (GridSOA's inner leaves and root), so that a tree
- * can mix blocks and uncompressed patches. Embree's references have only 3 type bits; a type therefore selects only the
- * form of a block, whose header stores the kind if several share the form. */
+ * can contain blocks and uncompressed patches. Embree's references have only 3 type bits: a type selects the format of
+ * a block, and the block's header stores the kind. */
 
 #include "codec.h"
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace embree
   namespace cbvh
   {
     /*! Layout of a block's bytes. Outside of CBVH_ISA, because code of all ISAs shares it. */
-    enum BlockForm : uint32_t { FRAMED_FORM, VERT_FORM, MESH_FORM };
+    enum BlockFormat : uint32_t { FRAMED_FORMAT, VERT_FORMAT, MESH_FORMAT };
   }
 
   namespace cbvh { inline namespace CBVH_ISA
@@ -33,9 +33,9 @@ namespace embree
     };
 
     /*! type: a PrimitiveType for which isBlock() is true. */
-    constexpr BlockForm formOfBlock (std::size_t type) {
-      return type == FRAMED_BLOCK ? FRAMED_FORM
-        : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORM : VERT_FORM;
+    constexpr BlockFormat formatOfBlock (std::size_t type) {
+      return type == FRAMED_BLOCK ? FRAMED_FORMAT
+        : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORMAT : VERT_FORMAT;
     }
 
     /*! Moving blocks are checked when their file is loaded. */

@@ -69,10 +69,10 @@ namespace embree
         Ref leaf (FileChild type, uint64_t offset)
         {
           if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
-            const BlockForm form = formOfBlock(typeOf(type));
-            if (const Reason reason = mapped.validate(size_t(offset),form))
+            const BlockFormat format = formatOfBlock(typeOf(type));
+            if (const Reason reason = mapped.validate(size_t(offset),format))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-            mapped.setSurfaceNumber(size_t(offset),form);
+            mapped.setSurfaceNumber(size_t(offset),format);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
           if (type == FILE_FRAMED)

@@ -71,15 +71,15 @@ namespace embree
         Place last = { nullptr, 0, nullptr }; //!< place of the last block
       };
 
-      static bool isValid (const void* block, BlockForm form)
+      static bool isValid (const void* block, BlockFormat format)
       {
         const Known* const mine = known;
         if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block)))
-          return mine->last.blocks->isValid(block,form);
-        return find(block,form);
+          return mine->last.blocks->isValid(block,format);
+        return find(block,format);
       }
 
-      static bool find (const void* block, BlockForm form)
+      static bool find (const void* block, BlockFormat format)
       {
         struct Owner { ~Owner () { delete known; known = nullptr; } };
         if (!known) {
@@ -96,7 +96,7 @@ namespace embree
         const Place place = known->list ? placeIn(*known->list,block) : placeOfRegistered(block);
         if (!place.blocks) return true;
         known->last = place;
-        return place.blocks->isValid(block,form);
+        return place.blocks->isValid(block,format);
       }
 
       static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
@@ -177,39 +177,39 @@ namespace embree
       free(validBlocks);
     }
 
-    Reason MappedBlocks::validate (size_t offset, BlockForm form) const
+    Reason MappedBlocks::validate (size_t offset, BlockFormat format) const
     {
       if (offset >= bytes || offset % blockAlignment)
         return Reason::damaged("its offset is %: expected a multiple of 16 within the blocks of the geometry",offset);
       const char* const block = begin+offset;
-      const Reason reason = form == MESH_FORM ? validateMeshBlock(record,block,bytes-offset)
-        : form == VERT_FORM ? validateVertBlock(record,block,bytes-offset)
+      const Reason reason = format == MESH_FORMAT ? validateMeshBlock(record,block,bytes-offset)
+        : format == VERT_FORMAT ? validateVertBlock(record,block,bytes-offset)
         : validateFramedBlock(block,bytes-offset,record.numPrimitives);
       if (reason) return reason;
-      return isOwnSurface(offset,form) ? Reason() : Reason::damaged("its surface number differs from its geometry's");
+      return isOwnSurface(offset,format) ? Reason() : Reason::damaged("its surface number differs from its geometry's");
     }
 
-    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, BlockForm form) const {
-      return AtomicRef<uint32_t>(*(uint32_t*)(begin+offset+offsetOfSurface(form)));
+    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, BlockFormat format) const {
+      return AtomicRef<uint32_t>(*(uint32_t*)(begin+offset+offsetOfSurface(format)));
     }
 
-    bool MappedBlocks::isOwnSurface (size_t offset, BlockForm form) const
+    bool MappedBlocks::isOwnSurface (size_t offset, BlockFormat format) const
     {
-      const uint32_t surface = surfaceOf(offset,form).load(std::memory_order_acquire);
+      const uint32_t surface = surfaceOf(offset,format).load(std::memory_order_acquire);
       return surface == record.surface || surface == surfaceNumber;
     }
 
-    void MappedBlocks::setSurfaceNumber (size_t offset, BlockForm form) const
+    void MappedBlocks::setSurfaceNumber (size_t offset, BlockFormat format) const
     {
       /* Several threads may check a block. One of them writes before any of them marks the block. */
       uint32_t expected = record.surface;
       if (record.surface != surfaceNumber)
-        surfaceOf(offset,form).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
+        surfaceOf(offset,format).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
     }
 
-    bool MappedBlocks::check (size_t offset, BlockForm form) const
+    bool MappedBlocks::check (size_t offset, BlockFormat format) const
     {
-      if (const Reason reason = validate(offset,form)) {
+      if (const Reason reason = validate(offset,format)) {
         if (!isReported.exchange(true)) {
           const std::string message = name + ": the block at " + std::to_string(offset)
             + " is damaged, possibly others too: " + reason.message() + "; rays miss it";
@@ -217,7 +217,7 @@ namespace embree
         }
         return false;
       }
-      setSurfaceNumber(offset,form);
+      setSurfaceNumber(offset,format);
       validBlocks[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }

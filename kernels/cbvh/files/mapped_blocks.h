@@ -35,18 +35,18 @@ namespace embree
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
       /*! Returns the first error in a block. offset: from the first block, in bytes. */
-      cvert::Reason validate (size_t offset, BlockForm form) const;
+      cvert::Reason validate (size_t offset, BlockFormat format) const;
 
       /*! True if a block may be decoded. Reports the first damaged block to the device. */
-      bool isValid (const void* block, BlockForm form) const
+      bool isValid (const void* block, BlockFormat format) const
       {
         const size_t offset = size_t((const char*)block-begin);
         return likely(((validBlocks[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0)
-          || check(offset,form);
+          || check(offset,format);
       }
 
       /*! Writes the surface number into a block, unless the block has it already. Thread-safe. */
-      void setSurfaceNumber (size_t offset, BlockForm form) const;
+      void setSurfaceNumber (size_t offset, BlockFormat format) const;
 
       const char* first () const { return begin; }
 
@@ -54,9 +54,9 @@ namespace embree
       friend class MappedBlockRegistry;
 
       /*! Validates a block and marks it as valid, or reports the damage. */
-      bool check (size_t offset, BlockForm form) const;
-      AtomicRef<uint32_t> surfaceOf (size_t offset, BlockForm form) const;
-      bool isOwnSurface (size_t offset, BlockForm form) const;
+      bool check (size_t offset, BlockFormat format) const;
+      AtomicRef<uint32_t> surfaceOf (size_t offset, BlockFormat format) const;
+      bool isOwnSurface (size_t offset, BlockFormat format) const;
 
       Device* device;
       std::shared_ptr<const cvert::File> file;

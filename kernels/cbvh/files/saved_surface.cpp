@@ -48,11 +48,11 @@ namespace embree
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry cannot be saved: a part of it is left to GRID "
                            "because of its edge rates or because it has no valid frame; expected compressed blocks "
                            "only, as with cVERT");
-          const BlockForm form = formOfBlock(type);
-          if (!isMovingBlock(type) && !isUsable(block,form))
+          const BlockFormat format = formatOfBlock(type);
+          if (!isMovingBlock(type) && !isUsable(block,format))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: the file that it was loaded from has a damaged block");
-          return to.append(childOf(type),block,bytesOfBlock(block,form),offsetOfSurface(form));
+          return to.append(childOf(type),block,bytesOfBlock(block,format),offsetOfSurface(format));
         }
 
         static FileChild childOf (size_t type)

@@ -137,15 +137,15 @@ namespace embree
                            "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
                            "faces lie in no grids; expected such meshes not to be compressed");
           const bool moves = type == MOVING_VERT_BLOCK;
-          if (!moves && !isUsable(data,formOfBlock(type)))
+          if (!moves && !isUsable(data,formatOfBlock(type)))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the scene cannot be flattened: the file of one of its geometries has a damaged block");
-          const BlockForm form = formOfBlock(type);
+          const BlockFormat format = formatOfBlock(type);
           uint32_t surface;
-          memcpy(&surface,data+offsetOfSurface(form),sizeof(surface));
-          const uint32_t referenceType = moves ? movingBlockReference : form == MESH_FORM ? meshBlockReference
-            : blockReference(form == VERT_FORM ? kindVert : kindOf(((const BlockHeader*)data)->info));
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,form),referenceType,ids[surface] });
+          memcpy(&surface,data+offsetOfSurface(format),sizeof(surface));
+          const uint32_t referenceType = moves ? movingBlockReference : format == MESH_FORMAT ? meshBlockReference
+            : blockReference(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,format),referenceType,ids[surface] });
           return makeReference(referenceType,index(out.ownBlocks.size()-1));
         }
 

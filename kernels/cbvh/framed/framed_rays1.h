@@ -32,7 +32,7 @@ namespace embree
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
-          if (unlikely(!isUsable(prim,FRAMED_FORM))) return false;
+          if (unlikely(!isUsable(prim,FRAMED_FORMAT))) return false;
           const Block* const block = (const Block*)prim;
           state.set(ray);
           switch (kindOf(block->info)) {

@@ -27,7 +27,7 @@ namespace embree
         __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                           const void* prim)
         {
-          if (unlikely(!isUsable(prim,FRAMED_FORM))) return vbool<K>(false);
+          if (unlikely(!isUsable(prim,FRAMED_FORMAT))) return vbool<K>(false);
           const Block* const block = (const Block*)prim;
           state.set(rays);
           switch (kindOf(block->info)) {

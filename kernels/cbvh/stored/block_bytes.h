@@ -14,20 +14,20 @@ namespace embree
   namespace cbvh
   {
     /*! Size of a block, without the bytes after it that decoders may read. */
-    inline uint32_t bytesOfBlock (const void* block, BlockForm form)
+    inline uint32_t bytesOfBlock (const void* block, BlockFormat format)
     {
-      switch (form) {
-      case VERT_FORM: return vertBytes((const VertHeader*)block);
-      case MESH_FORM: return ((const MeshHeader*)block)->bytes;
+      switch (format) {
+      case VERT_FORMAT: return vertBytes((const VertHeader*)block);
+      case MESH_FORMAT: return ((const MeshHeader*)block)->bytes;
       default: return uint32_t(((const Block*)block)->layout().bytes);
       }
     }
 
     /*! Offset of the surface number (base/surface_ids.h) in a block, in bytes. */
-    inline uint32_t offsetOfSurface (BlockForm form)
+    inline uint32_t offsetOfSurface (BlockFormat format)
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");
-      return form == FRAMED_FORM ? uint32_t(offsetof(BlockHeader,surface)) : uint32_t(offsetof(VertHeader,surface));
+      return format == FRAMED_FORMAT ? uint32_t(offsetof(BlockHeader,surface)) : uint32_t(offsetof(VertHeader,surface));
     }
   }
 }

@@ -31,13 +31,13 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        if (isBlock(type) && !isMovingBlock(type) && !isUsable(block,formOfBlock(type)))
+        if (isBlock(type) && !isMovingBlock(type) && !isUsable(block,formatOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                          "the geometry's file is damaged: one of its blocks cannot be decoded");
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
                          "to be stored as cVERT or cGRID");
-        closure(StoredBlock{ block,formOfBlock(type) });
+        closure(StoredBlock{ block,formatOfBlock(type) });
       }
 
       template<typename Closure>

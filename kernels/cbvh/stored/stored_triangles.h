@@ -34,10 +34,10 @@ namespace embree
     struct StoredBlock
     {
       const void* data;
-      BlockForm form;
+      BlockFormat format;
 
-      bool isVert () const { return form == VERT_FORM; }
-      bool isMesh () const { return form == MESH_FORM; }
+      bool isVert () const { return format == VERT_FORMAT; }
+      bool isMesh () const { return format == MESH_FORMAT; }
 
       const VertHeader* vert () const { return (const VertHeader*)data; }
       const Block* framed () const { return (const Block*)data; }

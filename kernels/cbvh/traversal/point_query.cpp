@@ -110,9 +110,9 @@ namespace embree
           size_t type;
           const void* block = leaf.leaf(type);
           if (!isBlock(type) || type == FRAMED_BLOCK) return false;
-          const bool isMesh = formOfBlock(type) == MESH_FORM;
+          const bool isMesh = formatOfBlock(type) == MESH_FORMAT;
           const VertHeader* header = (const VertHeader*)block;
-          if (!isMovingBlock(type) && !embree::cbvh::isUsable(block,formOfBlock(type))) return false;
+          if (!isMovingBlock(type) && !embree::cbvh::isUsable(block,formatOfBlock(type))) return false;
           const uint32_t geomID =
             context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);

@@ -32,7 +32,7 @@ namespace embree
 
     /* files/mapped_blocks.h sets them. They are defined here, so that decoders do not depend on files. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
-    std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid(nullptr);
+    std::atomic<bool (*) (const void* block, BlockFormat format)> isMappedBlockValid(nullptr);
 
     size_t threadCacheBytes (unsigned caches)
     {

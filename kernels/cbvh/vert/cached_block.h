@@ -35,7 +35,7 @@ namespace embree
         }
 
         /*! Returns false if the block is damaged. Then no byte of it may be read, not even its header. */
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORMAT); }
 
         /*! Returns the boxes of groups; decodes them if necessary. Requires isUsable(). */
         __forceinline const VertBoxes& boxes () const

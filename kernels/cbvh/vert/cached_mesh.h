@@ -47,7 +47,7 @@ namespace embree
         /*! Always true: a mesh block has no bounds besides those of its leaf, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORMAT); }
 
         __forceinline const MeshBoxes& boxes () const
         {
