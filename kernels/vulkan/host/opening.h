@@ -55,8 +55,8 @@ struct Capabilities
  * members may keep their defaults. Throws VulkanError if the driver fails. */
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Same, but if the driver fails, sets info.name, info.unsupported and driverError, so that a broken driver does not hide
- * other devices. */
+/* Same, but if the driver fails, sets info.name, info.unsupported and driverError: a broken driver must not hide other
+ * devices. */
 Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device);
 
 /* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */
