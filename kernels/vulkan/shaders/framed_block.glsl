@@ -236,7 +236,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
                       inout CbvhHit hit, inout vec2 framed)
 {
   BlockHeader header = cbvhReadHeader(block);
-  if (!cbvhIsSeen(scene, ray, block.geomID)) return false;
+  if (!cbvhIsVisible(scene, ray, block.geomID)) return false;
 
   CbvhLocalRay local;
   vec3 size = abs(ray.dir);

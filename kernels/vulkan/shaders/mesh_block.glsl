@@ -304,9 +304,9 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
     b = c;
     c = cbvhStreamVertex(block, group, i == 0 ? entries.v0 : i == 1 ? entries.v1 : entries.v2);
   }
-  TriangleKey name = TriangleKey(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
+  TriangleKey key = TriangleKey(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
   CbvhVertHit at;
-  if (!cbvhHitsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  if (!cbvhHitsTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
   uint number = cbvhMeshNumber(block, group.g, t);
   float u = clampParameter(at.sides.w1/at.sides.sum), v = clampParameter(at.sides.w2/at.sides.sum);
   if (isSecondOfQuad(block.form, number)) {
@@ -332,7 +332,7 @@ uint cbvhFirstMeshGroup (uint open)
 bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
-  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
+  if (!cbvhIsVisible(scene, ray, at.geomID)) return false;
   CbvhMeshBlock block = cbvhReadMeshBlock(at);
   CbvhShear shear = cbvhShear(ray.dir);
   uint open = cbvhFindMeshGroups(block, ray, hit.t);

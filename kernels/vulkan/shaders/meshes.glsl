@@ -30,9 +30,9 @@ bool cbvhTraceRun (SceneData scene, CbvhPreparedRay ray, uint first, uint count,
     vec3 b = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 1u));
     vec3 c = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 2u));
     CbvhTriangleHit at;
-    bool met = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at)
-                                       : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
-    if (!met) continue;
+    bool isHit = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at)
+                                         : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
+    if (!isHit) continue;
     found = true;
     cbvhSetHit(hit, ray, at.t, at.u, at.v, at.Ng, id.y, id.x);
     if (anyHit) return true;
@@ -53,7 +53,7 @@ bool cbvhTraceCell (SceneData scene, CbvhPreparedRay ray, uint index, const bool
   uvec2 cell = CbvhPairs(scene.cells).at[index];
   CbvhPointer grid = cbvhPointer(scene, cell.x);
   uint geomID = grid.geomID;
-  if (!cbvhIsSeen(scene, ray, geomID)) return false;
+  if (!cbvhIsVisible(scene, ray, geomID)) return false;
   uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneWord);
   uint first = gridDataWord + cbvhWord(grid, gridOffsetWord)/4u;
   uint quadsX = width > 2u ? 2u : 1u, quads = quadsX*(cbvhWord(grid, gridHeightWord) > 2u ? 2u : 1u);

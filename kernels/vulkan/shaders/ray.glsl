@@ -74,23 +74,23 @@ bool cbvhMayHit (CbvhRay ray)
 
 CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
 {
-  CbvhPreparedRay travel;
-  travel.org = ray.origin;
-  travel.dir = ray.direction;
+  CbvhPreparedRay prepared;
+  prepared.org = ray.origin;
+  prepared.dir = ray.direction;
   vec3 size = abs(ray.direction);
   float largest = max(size.x, max(size.y, size.z));
-  for (int k = 0; k < 3; k++) travel.rcp[k] = cbvhReciprocal(ray.direction[k], largest);
-  travel.tnear = travel.enter = max(ray.tnear, 0.0);
-  travel.tfar = ray.tfar;
-  travel.mask = ray.mask;
-  travel.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;
-  travel.instID = CBVH_NONE;
-  travel.firstGeometry = 0u;
-  return travel;
+  for (int k = 0; k < 3; k++) prepared.rcp[k] = cbvhReciprocal(ray.direction[k], largest);
+  prepared.tnear = prepared.enter = max(ray.tnear, 0.0);
+  prepared.tfar = ray.tfar;
+  prepared.mask = ray.mask;
+  prepared.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;
+  prepared.instID = CBVH_NONE;
+  prepared.firstGeometry = 0u;
+  return prepared;
 }
 
 /* True if the masks of the ray and the geometry share a bit. */
-bool cbvhIsSeen (SceneData scene, CbvhPreparedRay ray, uint geomID)
+bool cbvhIsVisible (SceneData scene, CbvhPreparedRay ray, uint geomID)
 {
   return (CbvhGeometries(scene.geometries).at[ray.firstGeometry + geomID].mask & ray.mask) != 0u;
 }

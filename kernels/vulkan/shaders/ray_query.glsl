@@ -64,11 +64,11 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
     local = cbvhTransformed(toLocal, ray);
     if (!cbvhMayHit(local)) return false;
   }
-  CbvhPreparedRay travel = cbvhPreparedRay(local);
-  travel.instID = place.instID;
-  travel.firstGeometry = place.firstGeometry;
-  if (!cbvhIntersectsLeaf(leaf, found.hit.t, travel)) return false;
-  return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
+  CbvhPreparedRay prepared = cbvhPreparedRay(local);
+  prepared.instID = place.instID;
+  prepared.firstGeometry = place.firstGeometry;
+  if (!cbvhIntersectsLeaf(leaf, found.hit.t, prepared)) return false;
+  return cbvhTraceLeaf(scene, prepared, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 
 /* Intersects the query's current candidate, which must be a box of the scene. ray: the query's ray, transformed to the

@@ -79,11 +79,11 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, 
   vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   uint lane = gx + 4u*gy;
-  TriangleKey name = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
+  TriangleKey key = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
   CbvhVertHit at;
-  if (!cbvhHitsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  if (!cbvhHitsTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
   SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(at.sides, (h & 1u) != 0u));
-  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, name.geomID);
+  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, key.geomID);
   return true;
 }
 
@@ -143,7 +143,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
-  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
+  if (!cbvhIsVisible(scene, ray, at.geomID)) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at);
   CbvhShear shear = cbvhShear(ray.dir);
   CbvhVertRay vert = cbvhVertRay(ray);
@@ -178,7 +178,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {
-  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
+  if (!cbvhIsVisible(scene, ray, at.geomID)) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at);
   CbvhSegment segment;
   if (!cbvhFindSegment(block, ray.time, segment)) return false;

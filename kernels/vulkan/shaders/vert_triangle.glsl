@@ -53,13 +53,13 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* The nearest hit in cVERT triangles. `name` orders hits at the same distance, see hasPrecedence. */
+/* The nearest hit in cVERT triangles. `key` orders hits at the same distance, see hasPrecedence. */
 struct CbvhVertNearest
 {
   bool isSet;
   uint instID;
   float t;
-  TriangleKey name;
+  TriangleKey key;
 };
 
 CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleKey(0u, 0u, 0u, 0u)); }
@@ -73,7 +73,7 @@ struct CbvhVertHit
 
 /* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the distance of `nearest` and
  * before it in the order of keys. tfar: distance of the nearest hit of any kind. */
-bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey name, float tfar,
+bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
                         inout CbvhVertNearest nearest, out CbvhVertHit at)
 {
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
@@ -88,12 +88,12 @@ bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   uint place = placeOfHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
-  if (place == hitIsOutside || (place == hitIsTied && !hasPrecedence(name, nearest.name))) return false;
+  if (place == hitIsOutside || (place == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
 
   at.t = float(exact);
   at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (at.Ng == vec3(0.0)) at.Ng = -ray.dir;
-  nearest = CbvhVertNearest(true, ray.instID, at.t, name);
+  nearest = CbvhVertNearest(true, ray.instID, at.t, key);
   return true;
 }
 
