@@ -50,14 +50,14 @@ void requireValid(const FlatBlock& block)
 
 /* The bytes of a block to upload. Grids are uploaded without the trees that Embree stores in them, because the scene's
  * tree contains their nodes. */
-struct Source
+struct BlockUpload
 {
   uint32_t header[gridDataWord];
   size_t headerBytes = 0;
   const char* data;
   size_t dataBytes;
 
-  explicit Source(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
+  explicit BlockUpload(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
   {
     if (block.type != cellReference) return;
     std::memcpy(header, data, sizeof(header));
@@ -74,7 +74,7 @@ struct Source
 size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
 {
   size_t bytes = 0;
-  for (const PlacedBlock* block : blocks) bytes += Source(*block->block).bytes();
+  for (const PlacedBlock* block : blocks) bytes += BlockUpload(*block->block).bytes();
   return bytes;
 }
 
@@ -88,7 +88,7 @@ public:
   void write(PlacedBlock& placed)
   {
     requireValid(*placed.block);
-    const Source source(*placed.block);
+    const BlockUpload source(*placed.block);
     if (buffers.empty() || used + source.bytes() > end) addBuffer(source.bytes());
     const Slice slice = {buffers.back().get(), 0};
     if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);

@@ -64,12 +64,12 @@ struct Code
   size_t bytes;
 };
 
-Code codeOf(Query query, bool byQuery, bool hasFloat64)
+Code codeOf(Query query, bool usesRayQuery, bool hasFloat64)
 {
-  if (byQuery && hasFloat64)
+  if (usesRayQuery && hasFloat64)
     return query == CLOSEST_HIT ? Code{closestHitByQuery, sizeof(closestHitByQuery)}
                                 : Code{anyHitByQuery, sizeof(anyHitByQuery)};
-  if (byQuery)
+  if (usesRayQuery)
     return query == CLOSEST_HIT ? Code{closestHitByQueryFloat32, sizeof(closestHitByQueryFloat32)}
                                 : Code{anyHitByQueryFloat32, sizeof(anyHitByQueryFloat32)};
   if (hasFloat64)
@@ -103,7 +103,8 @@ Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(),
   }
 }
 
-Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree), handles(given)
+Device::Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles)
+  : embree(embree), handles(applicationHandles)
 {
   instanceFunctions = InstanceFunctions(handles.getInstanceProcAddr, handles.instance);
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
@@ -246,17 +247,17 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 
 /* --- pipelines -------------------------------------------------------------------------- */
 
-VkPipeline Device::pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize)
+VkPipeline Device::pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // NULL if not compiled yet
+  VkPipeline& found = pipelines[std::make_tuple(query, usesRayQuery, kinds, stackSize)]; // NULL if not compiled yet
   if (found) return found;
 
-  const Code code = codeOf(query, byQuery, handles.hasFloat64);
+  const Code code = codeOf(query, usesRayQuery, handles.hasFloat64);
   const uint32_t constants[2] = {kinds, stackSize};
   const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
-  const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};
-  found = compile(code.words, code.bytes, &special);
+  const VkSpecializationInfo specialization = {2, entries, sizeof(constants), constants};
+  found = compile(code.words, code.bytes, &specialization);
   return found;
 }
 
@@ -270,7 +271,7 @@ const VkPipeline* Device::makeOrderPipelines()
   return orderPipelines;
 }
 
-VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special)
+VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* specialization)
 {
   VkShaderModuleCreateInfo moduleInfo = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   moduleInfo.codeSize = bytes;
@@ -282,7 +283,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   info.stage.module = module;
   info.stage.pName = "main";
-  info.stage.pSpecializationInfo = special;
+  info.stage.pSpecializationInfo = specialization;
   info.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult result = vk.CreateComputePipelines(handles.device, cache, 1, &info, nullptr, &pipeline);

@@ -20,42 +20,42 @@ namespace embree { namespace vulkan {
 enum Query { CLOSEST_HIT, ANY_HIT };
 
 /* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
-class Shared
+class RefCounted
 {
 public:
   void retain() { users++; }
   void release() { if (--users == 0) delete this; }
 
 protected:
-  virtual ~Shared() {}
+  virtual ~RefCounted() {}
 
 private:
   std::atomic<size_t> users{1};
 };
 
-/* Owns a reference to a Shared object. */
+/* Owns a reference to a RefCounted object. */
 template<typename T>
-class Held
+class ScopedRef
 {
 public:
-  explicit Held(T& object) : object(object) { object.retain(); }
-  ~Held() { object.release(); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+  explicit ScopedRef(T& object) : object(object) { object.retain(); }
+  ~ScopedRef() { object.release(); }
+  ScopedRef(const ScopedRef&) = delete;
+  ScopedRef& operator=(const ScopedRef&) = delete;
 
 private:
   T& object;
 };
 
 /* Threads may call member functions concurrently. */
-class Device : public Shared
+class Device : public RefCounted
 {
 public:
   /* Opens a device. which: see rtcNewVulkanDevice. */
   Device(RTCDevice embree, const char* which);
 
   /* Uses a device that the application opened and continues to own. */
-  Device(RTCDevice embree, const RTCVulkanHandles& handles);
+  Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles);
 
   /* Submits the commands that record() records, and waits for them. */
   void run(const std::function<void(VkCommandBuffer)>& record);
@@ -75,8 +75,8 @@ public:
   void waitAndFree(const Submission& submission);
 
   /* Pipeline of trace.comp, compiled on the first call. kinds: mask of the types of references in the scene, to which
-   * the shader is specialized. byQuery: true for ray queries, otherwise traversal uses a stack of stackSize entries. */
-  VkPipeline pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize);
+   * the shader is specialized. stackSize: entries of the traversal stack; ignored by ray queries. */
+  VkPipeline pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
   /* The four pipelines of ray_order.comp, compiled on the first call. */
@@ -96,7 +96,7 @@ private:
   void readCache();
   void writeCache() const;
   void destroy();
-  VkPipeline compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special);
+  VkPipeline compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* specialization);
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 

@@ -53,7 +53,7 @@ public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
   /* Each leaf once, sorted by reference. The tree may contain a moving leaf once per time interval. */
-  std::vector<std::pair<uint32_t, Bounds>> joined()
+  std::vector<std::pair<uint32_t, Bounds>> merged()
   {
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     size_t n = 0;
@@ -95,7 +95,7 @@ uint64_t spread(uint64_t x)
 /* Distance by which boxes must grow because drivers round when they test boxes. (plane - origin)/direction in floats
  * has three roundings, so a plane at distance D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for
  * rays that start 20 times as far away, with a margin for transforming the ray. */
-float widthOfErrors(const Bounds& all)
+float roundingSlack(const Bounds& all)
 {
   float largest = 0;
   for (int k = 0; k < 3; k++) largest = std::max({largest, std::fabs(all.lower[k]), std::fabs(all.upper[k])});
@@ -131,16 +131,16 @@ void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 
 } // namespace
 
-std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver(const std::function<Bounds(const Bounds&)>& place) const
+std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const
 {
   std::vector<Bounds> all;
   all.reserve(boxes.size());
   Bounds sum = Bounds::empty();
   for (const LeafBox& box : boxes) {
-    all.push_back(place(boundsOf(box)));
+    all.push_back(transform(boundsOf(box)));
     sum.extend(all.back());
   }
-  const float width = widthOfErrors(sum);
+  const float width = roundingSlack(sum);
   std::vector<VkAabbPositionsKHR> out;
   out.reserve(boxes.size());
   for (const Bounds& b : all)
@@ -166,7 +166,7 @@ std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
   Leaves leaves(tree);
   leaves.gather(subtree.root, subtree.bounds);
   std::map<uint32_t, std::vector<LeafBox>> byGeometry;
-  for (const auto& leaf : leaves.joined()) {
+  for (const auto& leaf : leaves.merged()) {
     LeafBox box = LeafBox();
     std::copy(leaf.second.lower, leaf.second.lower + 3, box.lower);
     std::copy(leaf.second.upper, leaf.second.upper + 3, box.upper);

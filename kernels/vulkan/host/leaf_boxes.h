@@ -21,8 +21,8 @@ struct LeafBoxes
   uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangle meshes, because a leaf may contain several
   std::vector<LeafBox> boxes;   // in Morton order
 
-  /* The boxes as input of a driver's build: transformed by `place`, and enlarged for the rounding errors of drivers. */
-  std::vector<VkAabbPositionsKHR> forDriver(const std::function<Bounds(const Bounds&)>& place) const;
+  /* The boxes as input of a driver's build: transformed, and enlarged for the rounding errors of drivers. */
+  std::vector<VkAabbPositionsKHR> driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const;
 };
 
 /* Key that identifies equal arrays of boxes: their number and a hash. */

@@ -10,17 +10,17 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* Returns the allowed memory type that has all needed flags and the most liked flags. Throws VulkanError if there is
+/* Returns the allowed memory type that has all needed flags and the most preferred ones. Throws VulkanError if there is
  * none. allowed: mask of types. what: for the message. */
 uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed,
-                    VkMemoryPropertyFlags liked, const char* what)
+                    VkMemoryPropertyFlags preferred, const char* what)
 {
   uint32_t best = ~0u;
   int bestScore = -1;
   for (uint32_t i = 0; i < capabilities.memory.memoryTypeCount; i++) {
     const VkMemoryPropertyFlags flags = capabilities.memory.memoryTypes[i].propertyFlags;
     if (!(allowed & (1u << i)) || (flags & needed) != needed) continue;
-    const int score = __builtin_popcount(flags & liked);
+    const int score = __builtin_popcount(flags & preferred);
     if (score > bestScore) { best = i; bestScore = score; }
   }
   if (best == ~0u)
@@ -189,7 +189,7 @@ Buffer& Arena::add(size_t bytes, const char* what)
   return *buffers.back();
 }
 
-Slice Arena::take(size_t bytes, const char* what)
+Slice Arena::allocate(size_t bytes, const char* what)
 {
   const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation);
   bytes = (bytes + 15) & ~size_t(15);

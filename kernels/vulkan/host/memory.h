@@ -85,7 +85,7 @@ public:
   explicit Arena(Device& device) : device(device) {}
 
   /* Allocates a slice. what: contents, for messages. */
-  Slice take(size_t bytes, const char* what);
+  Slice allocate(size_t bytes, const char* what);
 
   size_t bytes() const;
 

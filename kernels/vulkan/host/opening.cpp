@@ -53,7 +53,7 @@ std::string versionText(uint32_t version)
     + std::to_string(VK_API_VERSION_PATCH(version));
 }
 
-bool isMemory(VkResult result)
+bool isOutOfMemory(VkResult result)
 {
   switch (result) {
   case VK_ERROR_OUT_OF_HOST_MEMORY:
@@ -87,7 +87,7 @@ void check(VkResult result, const std::string& doing)
 {
   if (result >= VK_SUCCESS) return;
   const char* name = nameOf(result);
-  throw VulkanError(isMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
+  throw VulkanError(isOutOfMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
                     "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result))
                     + (result == VK_ERROR_DEVICE_LOST
                        ? "; the device is lost, release it and what was made with it" : ""));

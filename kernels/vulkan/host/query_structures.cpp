@@ -19,24 +19,25 @@ VkTransformMatrixKHR matrixOf(const float* columns)
 
 } // namespace
 
-size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
-                                        const std::function<Bounds(const Bounds&)>& place)
+size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStructures::LevelID& id,
+                                        const std::function<Bounds(const Bounds&)>& transform)
 {
-  const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver(place);
-  WantedLevel want = {keyOf(forDriver), 0, nullptr, nullptr};
-  want.level = device.structures.find(want.key);
-  if (!want.level) {
-    const Slice slice = input->take(forDriver.size()*sizeof(forDriver[0]), "boxes to build structures from");
-    uploader.write(slice, 0, forDriver.data(), forDriver.size()*sizeof(forDriver[0]));
-    want.boxes = slice.address();
+  const std::vector<VkAabbPositionsKHR> driverBoxes = boxes.driverBoxes(transform);
+  LevelRequest request = {keyOf(driverBoxes), 0, nullptr, nullptr};
+  request.level = device.structures.find(request.key);
+  if (!request.level) {
+    const Slice slice = input->allocate(driverBoxes.size()*sizeof(driverBoxes[0]), "boxes to build structures from");
+    uploader.write(slice, 0, driverBoxes.data(), driverBoxes.size()*sizeof(driverBoxes[0]));
+    request.boxes = slice.address();
   }
   if (previous) {
-    const auto found = previous->levels.find(from);
-    if (found != previous->levels.end() && found->second->key.count == want.key.count) want.previous = found->second;
+    const auto found = previous->levels.find(id);
+    if (found != previous->levels.end() && found->second->key.count == request.key.count)
+      request.previous = found->second;
   }
-  wanted.push_back(want);
-  froms.push_back(from);
-  return wanted.size() - 1;
+  requests.push_back(request);
+  levelIDs.push_back(id);
+  return requests.size() - 1;
 }
 
 void QueryStructuresBuilder::addInstance(size_t level, const float* transform, const PlacedBoxes& place)
@@ -56,20 +57,20 @@ void QueryStructuresBuilder::addInstance(size_t level, const float* transform, c
 void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics)
 {
   uploader.flush();
-  const BuildCounts counts = buildBottomLevels(device, wanted);
+  const BuildCounts counts = buildBottomLevels(device, requests);
   input.reset();
   std::map<const Structure*, size_t> bytes;   // counts shared structures once
-  for (size_t i = 0; i < wanted.size(); i++) {
-    const Structure& structure = *wanted[i].level->structure;
-    out.levels[froms[i]] = wanted[i].level;
+  for (size_t i = 0; i < requests.size(); i++) {
+    const Structure& structure = *requests[i].level->structure;
+    out.levels[levelIDs[i]] = requests[i].level;
     bytes[&structure] = structure.bytes;
-    statistics.numBoxes += wanted[i].key.count;
+    statistics.numBoxes += requests[i].key.count;
   }
   for (auto& instance : instances)
     instance.accelerationStructureReference
-      = wanted[instance.accelerationStructureReference].level->structure->address;
+      = requests[instance.accelerationStructureReference].level->structure->address;
   const size_t size = instances.size()*sizeof(instances[0]);
-  const Slice slice = arena.take(std::max(size, size_t(1)), "instances for ray queries");
+  const Slice slice = arena.allocate(std::max(size, size_t(1)), "instances for ray queries");
   uploader.write(slice, 0, instances.data(), size);
   uploader.flush();
   out.topLevel = buildTopLevel(device, slice.address(), instances.size());

@@ -21,8 +21,8 @@ struct QueryStructures
 {
   /* Identifies a bottom level: number of the instanced scene (0: the scene itself), geomID there, and geomID of the
    * moving instance that it belongs to, or RTC_INVALID_GEOMETRY_ID. */
-  typedef std::tuple<size_t, uint32_t, uint32_t> Place;
-  std::map<Place, std::shared_ptr<const BottomLevel>> levels;
+  typedef std::tuple<size_t, uint32_t, uint32_t> LevelID;
+  std::map<LevelID, std::shared_ptr<const BottomLevel>> levels;
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::shared_ptr<Structure> topLevel;
 };
@@ -36,10 +36,10 @@ public:
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 
-  /* Adds a bottom level over boxes that `place` transforms. Reuses a level of the device with the same boxes. Returns
-   * its number, for addInstance. */
-  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
-                  const std::function<Bounds(const Bounds&)>& place);
+  /* Adds a bottom level over transformed boxes. Reuses a level of the device with the same boxes. Returns its number,
+   * for addInstance. */
+  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::LevelID& id,
+                  const std::function<Bounds(const Bounds&)>& transform);
 
   /* Adds an instance of a level. transform: from the level's space to world space, a 3x4 matrix column by column. */
   void addInstance(size_t level, const float* transform, const PlacedBoxes& place);
@@ -56,8 +56,8 @@ private:
   Uploader& uploader;
   const QueryStructures* const previous;
   std::unique_ptr<Arena> input;                // boxes; freed after the build
-  std::vector<WantedLevel> wanted;
-  std::vector<QueryStructures::Place> froms;   // place of each level in `wanted`
+  std::vector<LevelRequest> requests;
+  std::vector<QueryStructures::LevelID> levelIDs;   // of each level in `requests`
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::vector<PlacedBoxes> places;
 };

@@ -106,8 +106,8 @@ bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDevi
     requireAligned(order, "order");
     if (order) rayOrderBytes(count);
     Scene& scene = *sceneOf(hscene);
-    scene.record(query, scene.device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize), commands,
-                 rays, count, order);
+    scene.record(query, scene.device.pipeline(query, scene.usesRayQuery, scene.kinds, scene.statistics.stackSize),
+                 commands, rays, count, order);
   });
 }
 
@@ -151,18 +151,18 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* which)
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
 
-RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* given)
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* handles)
 {
   Device* device = nullptr;
   guarded(embree, [&]() {
-    require(given, "handles");
-    const RTCVulkanHandles handles = core::readStruct(given);
-    require((const void*)handles.getInstanceProcAddr, "getInstanceProcAddr");
-    require(handles.instance, "instance");
-    require(handles.physicalDevice, "physicalDevice");
-    require(handles.device, "device");
-    require(handles.queue, "queue");
-    device = new Device(embree, handles);
+    require(handles, "handles");
+    const RTCVulkanHandles converted = core::readStruct(handles);
+    require((const void*)converted.getInstanceProcAddr, "getInstanceProcAddr");
+    require(converted.instance, "instance");
+    require(converted.physicalDevice, "physicalDevice");
+    require(converted.device, "device");
+    require(converted.queue, "queue");
+    device = new Device(embree, converted);
   });
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
@@ -192,13 +192,15 @@ RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanHandles*
 
 /* --- scenes ----------------------------------------------------------------------------- */
 
-RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, const RTCVulkanSceneArguments* given)
+RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from,
+                                         const RTCVulkanSceneArguments* arguments)
 {
   Scene* scene = nullptr;
   guarded(embreeOf(device), [&]() {
     require(device, "device");
     require(from, "scene");
-    const RTCVulkanSceneArguments args = given ? core::readStruct(given) : RTCVulkanSceneArguments();
+    const RTCVulkanSceneArguments args
+      = arguments ? core::readStruct(arguments) : RTCVulkanSceneArguments();
     int memory, traversal; // copied as integers: reading an invalid value as an enum is undefined behavior
     std::memcpy(&memory, &args.memory, sizeof(memory));
     std::memcpy(&traversal, &args.traversal, sizeof(traversal));
@@ -211,14 +213,14 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, 
     if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
                         "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
-    options.byQuery = traversal == RTC_VULKAN_TRAVERSAL_RAY_QUERY;
-    if (options.byQuery && !deviceOf(device)->handles.hasRayQuery)
+    options.usesRayQuery = traversal == RTC_VULKAN_TRAVERSAL_RAY_QUERY;
+    if (options.usesRayQuery && !deviceOf(device)->handles.hasRayQuery)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                         std::string("the Vulkan device ") + deviceOf(device)->capabilities.info.name
                         + " has no ray queries, or they are not enabled (VK_KHR_acceleration_structure, "
                           "VK_KHR_ray_query)");
     if (options.previous &&
-        (!options.byQuery || !options.previous->byQuery || &options.previous->device != deviceOf(device)))
+        (!options.usesRayQuery || !options.previous->usesRayQuery || &options.previous->device != deviceOf(device)))
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previous: it is not for ray queries, or of another "
                                                     "device, or the scene is not for ray queries");
     scene = new Scene(*deviceOf(device), from, options);
@@ -256,7 +258,7 @@ RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelera
   unsigned int count = 0;
   guarded(embreeOf(scene), [&]() {
     require(scene, "scene");
-    if (!sceneOf(scene)->byQuery)
+    if (!sceneOf(scene)->usesRayQuery)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene is not for ray queries");
     const auto& all = sceneOf(scene)->queryStructures().instances;
     count = (unsigned int)(all.size());

@@ -299,7 +299,7 @@ private:
   template<typename T>
   Slice writeArray(const T* data, size_t count, const char* what)
   {
-    const Slice slice = out.arena.take(std::max(count, size_t(1))*sizeof(T), what);
+    const Slice slice = out.arena.allocate(std::max(count, size_t(1))*sizeof(T), what);
     if (count) uploader.write(slice, 0, data, count*sizeof(T));
     return slice;
   }
@@ -365,7 +365,7 @@ private:
         const VkDeviceAddress address
           = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
         const size_t level
-          = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
+          = builder.addLevel(boxes, QueryStructures::LevelID(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
         if (p == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
         else boxesOfParts[p].push_back({std::move(boxes), address, level});
       }
@@ -381,7 +381,7 @@ private:
         const PlacedBoxes placed = {partBoxes.address, uint32_t(i), parts[p].firstGeometry};
         if (instance.timeSteps == 1) builder.addInstance(partBoxes.level, instance.localToWorld, placed);
         else builder.addInstance(
-          builder.addLevel(partBoxes.boxes, QueryStructures::Place(p, partBoxes.boxes.geomID, uint32_t(i)),
+          builder.addLevel(partBoxes.boxes, QueryStructures::LevelID(p, partBoxes.boxes.geomID, uint32_t(i)),
                            [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),
           identity, placed);
       }
@@ -413,7 +413,7 @@ private:
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
-    if (out.byQuery) {
+    if (out.usesRayQuery) {
       QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
       placeBoxes(builder);
       data.placed
@@ -458,7 +458,7 @@ private:
 };
 
 Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
-  : device(device), held(device), byQuery(options.byQuery), arena(device)
+  : device(device), held(device), usesRayQuery(options.usesRayQuery), arena(device)
 {
   SceneUpload(*this, scene, options);
 }

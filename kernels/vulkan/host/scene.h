@@ -16,21 +16,21 @@ namespace embree { namespace vulkan {
 struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
-  bool byQuery = false;              // trace by ray queries
+  bool usesRayQuery = false;              // trace by ray queries
   class Scene* previous = nullptr;   // scene before an edit, whose acceleration structures are updated, or NULL
 };
 
-class Scene : public Shared
+class Scene : public RefCounted
 {
 public:
   /* Throws VulkanError naming the unsupported geometry or the exceeded limit. */
   Scene(Device& device, RTCScene scene, const SceneOptions& options);
 
   Device& device;
-  const Held<Device> held;       // first: the device must outlive the buffers
+  const ScopedRef<Device> held;       // first: the device must outlive the buffers
   VkDeviceAddress address = 0;   // device address of SceneData
   uint32_t kinds = 0;            // mask of the types of references that the scene contains
-  const bool byQuery;
+  const bool usesRayQuery;
   RTCVulkanSceneStatistics statistics{};
 
   /* Records the trace of `count` rays. pipeline: from Device::pipeline. rays: device address of RTCRayHit (CLOSEST_HIT)
@@ -40,7 +40,7 @@ public:
 
   std::atomic<bool> sortsRays{false};   // used by Trace only
 
-  const QueryStructures& queryStructures() const { return structures; }   // empty unless byQuery
+  const QueryStructures& queryStructures() const { return structures; }   // empty unless usesRayQuery
 
 private:
   ~Scene() override;

@@ -41,9 +41,10 @@ Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const 
   info.type = type;
   check(device.vk.CreateAccelerationStructureKHR(device.handles.device, &info, nullptr, &handle),
         "creating a structure of " + std::to_string(bytes) + " bytes for ray queries");
-  VkAccelerationStructureDeviceAddressInfoKHR ask = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
-  ask.accelerationStructure = handle;
-  address = device.vk.GetAccelerationStructureDeviceAddressKHR(device.handles.device, &ask);
+  VkAccelerationStructureDeviceAddressInfoKHR addressInfo
+    = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+  addressInfo.accelerationStructure = handle;
+  address = device.vk.GetAccelerationStructureDeviceAddressKHR(device.handles.device, &addressInfo);
 }
 
 Structure::~Structure() { device.vk.DestroyAccelerationStructureKHR(device.handles.device, handle, nullptr); }
@@ -158,16 +159,16 @@ void buildAll(Device& device, std::vector<Build>& builds)
 
 } // namespace
 
-BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
+BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests)
 {
   BuildCounts counts;
   std::vector<Build> builds;
   std::map<BoxesKey, size_t> buildOf;
-  for (WantedLevel& want : wanted)
+  for (LevelRequest& request : requests)
   {
-    if (want.level || buildOf.count(want.key)) continue;
-    if (want.key.count > device.capabilities.maxBoxes)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(want.key.count)
+    if (request.level || buildOf.count(request.key)) continue;
+    if (request.key.count > device.capabilities.maxBoxes)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(request.key.count)
                         + " blocks, and the device's maxPrimitiveCount is "
                         + std::to_string(device.capabilities.maxBoxes));
     Build build = Build();
@@ -175,12 +176,12 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
     build.geometry = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
     build.geometry.geometryType = VK_GEOMETRY_TYPE_AABBS_KHR;
     build.geometry.geometry.aabbs = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_AABBS_DATA_KHR};
-    build.geometry.geometry.aabbs.data.deviceAddress = want.boxes;
+    build.geometry.geometry.aabbs.data.deviceAddress = request.boxes;
     build.geometry.geometry.aabbs.stride = sizeof(VkAabbPositionsKHR);
-    build.count = uint32_t(want.key.count);
-    build.from = want.previous ? want.previous->structure->handle : VK_NULL_HANDLE;
-    (build.from ? counts.updated : counts.built) += want.key.count;
-    buildOf[want.key] = builds.size();
+    build.count = uint32_t(request.key.count);
+    build.from = request.previous ? request.previous->structure->handle : VK_NULL_HANDLE;
+    (build.from ? counts.updated : counts.built) += request.key.count;
+    buildOf[request.key] = builds.size();
     builds.push_back(build);
   }
   buildAll(device, builds);
@@ -190,8 +191,8 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
     built[entry.second] = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
     device.structures.add(built[entry.second]);
   }
-  for (WantedLevel& want : wanted)
-    if (!want.level) want.level = built[buildOf[want.key]];
+  for (LevelRequest& request : requests)
+    if (!request.level) request.level = built[buildOf[request.key]];
   return counts;
 }
 

@@ -69,7 +69,7 @@ private:
 };
 
 /* A bottom level that a scene needs. */
-struct WantedLevel
+struct LevelRequest
 {
   BoxesKey key;
   VkDeviceAddress boxes;                         // address of VkAabbPositionsKHR; not used if `level` is set
@@ -80,7 +80,7 @@ struct WantedLevel
 struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 
 /* Updates or builds the levels that are NULL, once per key, and adds them to the device's structures. */
-BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
+BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests);
 
 /* Builds a top level. instances: device address of VkAccelerationStructureInstanceKHR. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);

@@ -46,14 +46,14 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       VkQueryPoolCreateInfo info = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
       info.queryType = VK_QUERY_TYPE_TIMESTAMP;
       info.queryCount = numStamps;
-      check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
+      check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &queryPool), "creating a query pool");
     }
     /* before submit, which locks the device's mutex while it records */
-    const VkPipeline pipeline = device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize);
+    const VkPipeline pipeline = device.pipeline(query, scene.usesRayQuery, scene.kinds, scene.statistics.stackSize);
     const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
     submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });
   } catch (...) {
-    if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
+    if (queryPool) device.vk.DestroyQueryPool(device.handles.device, queryPool, nullptr);
     throw;
   }
 }
@@ -62,9 +62,9 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeli
 {
   const DeviceFunctions& vk = device.vk;
   auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) {
-    if (clock) vk.CmdWriteTimestamp(commands, stage, clock, i);
+    if (queryPool) vk.CmdWriteTimestamp(commands, stage, queryPool, i);
   };
-  if (clock) vk.CmdResetQueryPool(commands, clock, 0, numStamps);
+  if (queryPool) vk.CmdResetQueryPool(commands, queryPool, 0, numStamps);
   stamp(0, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
   const VkBufferCopy all = {0, 0, bytes};
   if (staging) {
@@ -92,8 +92,9 @@ RTCVulkanTimes Trace::readTimes() const
 {
   RTCVulkanTimes times = RTCVulkanTimes();
   uint64_t stamps[numStamps];
-  if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps,
-                                              sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
+  if (!queryPool || device.vk.GetQueryPoolResults(device.handles.device, queryPool, 0, numStamps, sizeof(stamps),
+                                                  stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
+    return times;
   const uint32_t bits = device.capabilities.timestampBits;
   const uint64_t mask = bits >= 64 ? ~uint64_t(0) : (uint64_t(1) << bits) - 1;
   const double tick = 1e-9*double(device.capabilities.properties.limits.timestampPeriod);
@@ -114,7 +115,7 @@ void Trace::finish(void* rays, RTCVulkanTimes* times)
 Trace::~Trace()
 {
   device.waitAndFree(submission);
-  if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
+  if (queryPool) device.vk.DestroyQueryPool(device.handles.device, queryPool, nullptr);
 }
 
 }} // namespace embree::vulkan

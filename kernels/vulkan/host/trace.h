@@ -31,13 +31,13 @@ private:
   void record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting);
   RTCVulkanTimes readTimes() const;
 
-  const Held<Scene> held;
+  const ScopedRef<Scene> held;
   Scene& scene;
   const Query query;
   const size_t count, bytes;
   std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL if onDevice is mapped
   std::unique_ptr<Buffer> order;               // scratch of the sort; NULL without sorting
-  VkQueryPool clock = VK_NULL_HANDLE;          // timestamps; null if the queue does not support them
+  VkQueryPool queryPool = VK_NULL_HANDLE;          // timestamps; null if the queue does not support them
   Device::Submission submission;
 };
 

@@ -110,10 +110,10 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* ite
 struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
 
 /* Copies the tree of rtcBuildBVH to a Tree. */
-class Flattening
+class TreeCopier
 {
 public:
-  explicit Flattening(Tree& tree) : tree(tree) {}
+  explicit TreeCopier(Tree& tree) : tree(tree) {}
 
   uint32_t depth = 0;
 
@@ -178,9 +178,9 @@ Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf
   args.createLeaf = createLeaf;
   const BuildNode* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&args)) : nullptr;
   std::vector<RTCBuildPrimitive>().swap(primitives);
-  Flattening flattening(*this);
-  out.root = flattening.reference(root, 0);
-  out.depth = flattening.depth;
+  TreeCopier copier(*this);
+  out.root = copier.reference(root, 0);
+  out.depth = copier.depth;
   return out;
 }
 
