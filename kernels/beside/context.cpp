@@ -13,9 +13,9 @@ using namespace embree::beside;
 
 namespace {
 
-thread_local std::string lastText;       // text of cbvhGetErrorText
-thread_local Failure ofEmbree = {CBVH_OK, ""}; // error of Embree that no function has returned yet
-thread_local bool isTaken = false;             // this thread is in a function that returns such errors
+thread_local std::string errorText;       // text of cbvhGetErrorText
+thread_local Failure pendingError = {CBVH_OK, ""}; // error of Embree that no function has returned yet
+thread_local bool collectsErrors = false;             // this thread is in a function that returns such errors
 
 CbvhError codeOf(RTCError code)
 {
@@ -32,10 +32,10 @@ CbvhError codeOf(RTCError code)
 
 /* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
  * no errors: errors of damaged blocks notify the application at once. */
-void keepError(void* context, RTCError code, const char* text)
+void handleEmbreeError(void* context, RTCError code, const char* text)
 {
   const Failure failure = {codeOf(code), text ? text : ""};
-  if (isTaken) ofEmbree = failure;
+  if (collectsErrors) pendingError = failure;
   else ((const CbvhContextTy*)context)->report(failure);
 }
 
@@ -50,7 +50,7 @@ CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, v
       std::string("cannot create a context with the settings '") + (settings ? settings : "") + "'"
         + (reason.empty() ? "" : ": " + reason)};
   }
-  rtcSetDeviceErrorFunction(device, keepError, this);
+  rtcSetDeviceErrorFunction(device, handleEmbreeError, this);
 }
 
 CbvhContextTy::~CbvhContextTy()
@@ -62,7 +62,7 @@ CbvhContextTy::~CbvhContextTy()
 Failure CbvhContextTy::takeError() const
 {
   rtcGetDeviceError(device); // the call also clears the error
-  return std::exchange(ofEmbree, Failure{CBVH_OK, ""});
+  return std::exchange(pendingError, Failure{CBVH_OK, ""});
 }
 
 void CbvhContextTy::check() const
@@ -87,38 +87,39 @@ static Failure exceptionAsFailure()
 Failure embree::beside::caughtFailure()
 {
   Failure failure = exceptionAsFailure();
-  if (ofEmbree && ofEmbree.text != failure.text) failure.text += ": " + ofEmbree.text;
+  if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
   return failure;
 }
 
 /* Moves texts, because copies allocate: the destructor must not throw. */
-OwnErrors::OwnErrors(bool areTaken) : outer(std::exchange(ofEmbree, Failure{CBVH_OK, ""})), wereTaken(isTaken)
+ErrorScope::ErrorScope(bool collects)
+  : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})), outerCollects(collectsErrors)
 {
-  isTaken = areTaken;
+  collectsErrors = collects;
 }
 
-OwnErrors::~OwnErrors()
+ErrorScope::~ErrorScope()
 {
-  ofEmbree = std::move(outer);
-  isTaken = wereTaken;
+  pendingError = std::move(outer);
+  collectsErrors = outerCollects;
 }
 
 CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr)
 {
-  lastText = failure.text;
+  errorText = failure.text;
   if (!function) return failure.code;
   function(userPtr, failure.code, failure.text.c_str());
-  lastText = failure.text; // an error that the function caused must not replace this one
+  errorText = failure.text; // an error that the function caused must not replace this one
   return failure.code;
 }
 
 CbvhError embree::beside::rejectArgument(const char* text)
 {
-  lastText = text;
+  errorText = text;
   return CBVH_ERROR_INVALID_ARGUMENT;
 }
 
-const char* cbvhGetErrorText() { return lastText.c_str(); }
+const char* cbvhGetErrorText() { return errorText.c_str(); }
 unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
 
 CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)

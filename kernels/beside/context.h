@@ -38,34 +38,34 @@ struct Failure
 Failure caughtFailure();
 
 /* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
-class Counted
+class RefCounted
 {
 public:
-  Counted() : references(1) {}
-  Counted(const Counted&) = delete;
-  Counted& operator=(const Counted&) = delete;
+  RefCounted() : references(1) {}
+  RefCounted(const RefCounted&) = delete;
+  RefCounted& operator=(const RefCounted&) = delete;
 
   void retain() { references++; }
   void release() { if (--references == 0) delete this; }
 
 protected:
-  virtual ~Counted() = default;
+  virtual ~RefCounted() = default;
 
 private:
   std::atomic<size_t> references;
 };
 
-/* Owns a reference to a Counted object, or is empty. */
+/* Owns a reference to a RefCounted object, or is empty. */
 template<typename T>
-class Held
+class RefPtr
 {
 public:
-  Held() : object(nullptr) {}
-  explicit Held(T* object) : object(object) { if (object) object->retain(); }
-  Held(const Held& other) : Held(other.object) {}
-  Held(Held&& other) : object(other.object) { other.object = nullptr; }
-  ~Held() { if (object) object->release(); }
-  Held& operator=(Held other) { std::swap(object, other.object); return *this; }
+  RefPtr() : object(nullptr) {}
+  explicit RefPtr(T* object) : object(object) { if (object) object->retain(); }
+  RefPtr(const RefPtr& other) : RefPtr(other.object) {}
+  RefPtr(RefPtr&& other) : object(other.object) { other.object = nullptr; }
+  ~RefPtr() { if (object) object->release(); }
+  RefPtr& operator=(RefPtr other) { std::swap(object, other.object); return *this; }
 
   T* get() const { return object; }
   T* operator->() const { return object; }
@@ -77,12 +77,12 @@ private:
 }} // namespace embree::beside
 
 /* A context: a device of the kernels, and the application's error function. */
-struct CbvhContextTy : embree::beside::Counted
+struct CbvhContextTy : embree::beside::RefCounted
 {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
 
   /* The device, for functions of the core. */
-  embree::Device* inner() const { return (embree::Device*)device; }
+  embree::Device* embreeDevice() const { return (embree::Device*)device; }
 
   RTCDevice device;
 
@@ -105,18 +105,18 @@ private:
 namespace embree { namespace beside {
 
 /* Selects how this thread handles errors of Embree's functions. Functions of this library create one, which stores
- * errors until CbvhContextTy::check() throws them. During callbacks of the application, areTaken is false: errors of
+ * errors until CbvhContextTy::check() throws them. During callbacks of the application, collects is false: errors of
  * rays that the callback traces are reported at once, without failing the function that called it. The destructor
  * restores the previous state. */
-class OwnErrors
+class ErrorScope
 {
 public:
-  explicit OwnErrors(bool areTaken = true);
-  ~OwnErrors();
+  explicit ErrorScope(bool collects = true);
+  ~ErrorScope();
 
 private:
   Failure outer;
-  const bool wereTaken;
+  const bool outerCollects;
 };
 
 /* Stores an error's text for cbvhGetErrorText, and calls an error function. The function may be NULL. It may call this
@@ -127,8 +127,8 @@ CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, 
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
-  const Held<CbvhContextTy> held(context); // callbacks may release the application's references
-  const OwnErrors errors;
+  const RefPtr<CbvhContextTy> held(context); // callbacks may release the application's references
+  const ErrorScope errors;
   Failure failure;
   try {
     closure();
@@ -139,7 +139,10 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 }
 
 /* Throws CBVH_ERROR_INVALID_ARGUMENT if a condition is false. */
-inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
+inline void require(bool condition, const char* text)
+{
+  if (!condition) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+}
 
 /* Stores the text of an invalid argument for cbvhGetErrorText, in functions that have no context to report it to.
  * Returns CBVH_ERROR_INVALID_ARGUMENT. */

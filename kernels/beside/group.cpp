@@ -36,28 +36,28 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 void CbvhGroupTy::commit()
 {
   for (const auto& surface : surfaces) { // both calls may throw, so they precede all changes of the scene
-    surface->committed();
+    surface->committedInput();
     surface->applyMask();
   }
   for (size_t i = 0; i < surfaces.size(); i++) {
-    const RTCGeometry geometry = surfaces[i]->committed()->geometry;
+    const RTCGeometry geometry = surfaces[i]->committedInput()->geometry;
     if (geometry == attached[i]) continue;
     if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
     attached[i] = geometry;
   }
   for (size_t i = 0; i < surfaces.size(); i++)
-    firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed()->numPrimitives;
+    firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committedInput()->numPrimitives;
   rtcCommitScene(scene);
   const Failure failure = context->takeError();
   isCommitted = false;
-  try { keepStatistics(); } catch (...) { if (!failure) throw; }
+  try { updateStatistics(); } catch (...) { if (!failure) throw; }
   if (failure) throw failure;
 }
 
 /* Called after each commit: after a later change of a surface's mask, Embree returns statistics only once every scene
  * with that surface is committed. */
-void CbvhGroupTy::keepStatistics()
+void CbvhGroupTy::updateStatistics()
 {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);
   statistics.bytes = all.topLevelBytes + all.headerBytes + all.nodeBytes + all.leafBytes + all.uncompressedBytes;
@@ -94,7 +94,7 @@ void cbvhReleaseGroup(CbvhGroup group) { if (group) group->release(); }
 CbvhError cbvhCommitGroup(CbvhGroup group)
 {
   if (!group) return rejectArgument("group is NULL");
-  const Held<CbvhGroupTy> held(group);
+  const RefPtr<CbvhGroupTy> held(group);
   return guarded(group->context.get(), [&] { group->commit(); });
 }
 
@@ -141,7 +141,7 @@ void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 {
   RTCBounds bounds = {INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
   if (group) {
-    const OwnErrors errors; // without a commit, the bounds are empty
+    const ErrorScope errors; // without a commit, the bounds are empty
     rtcGetSceneBounds(group->scene, &bounds);
   }
   const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},

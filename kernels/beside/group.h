@@ -7,7 +7,7 @@
 
 #include "surface.h"
 
-struct CbvhGroupTy : embree::beside::Counted
+struct CbvhGroupTy : embree::beside::RefCounted
 {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
@@ -15,9 +15,9 @@ struct CbvhGroupTy : embree::beside::Counted
    * left out, after the group has been committed without them. */
   void commit();
 
-  const embree::beside::Held<CbvhContextTy> context;
+  const embree::beside::RefPtr<CbvhContextTy> context;
   const RTCScene scene;
-  std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
+  std::vector<embree::beside::RefPtr<CbvhSurfaceTy>> surfaces;
   // number of the first primitive of each surface in the group, then the number of all primitives; 0 before a commit
   std::vector<size_t> firstPrimitive;
   CbvhStatistics statistics = CbvhStatistics(); // of the last commit
@@ -27,7 +27,7 @@ struct CbvhGroupTy : embree::beside::Counted
 private:
   ~CbvhGroupTy() override;
 
-  void keepStatistics();
+  void updateStatistics();
 
   std::vector<RTCGeometry> attached;   // geometry that the scene contains for each surface, or NULL
   size_t unsupportedFaces = 0;         // faces that the last commit left out

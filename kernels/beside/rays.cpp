@@ -37,38 +37,38 @@ struct Query
 };
 
 /* True if the application was compiled with this version of CbvhQuery. Costs one comparison per call. */
-inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
+inline bool isCurrentVersion(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
 
 /* Converts a query of another version to this one, and calls trace(query). Returns 0 on errors. Not inlined, to keep
  * the usual path short. */
 template<typename Trace>
-__attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
+__attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))
 {
-  CbvhQuery known;
+  CbvhQuery converted;
   const CbvhContext context = group->context.get();
-  const CbvhError error = embree::beside::guarded(context, [&] { known = embree::core::readStruct(query); });
+  const CbvhError error = embree::beside::guarded(context, [&] { converted = embree::core::readStruct(query); });
   if (error != CBVH_OK) return 0;
-  return trace(&known);
+  return trace(&converted);
 }
 
 /* Types and functions of the kernels for packets of K rays. */
-template<unsigned int K> struct Kernels;
-template<> struct Kernels<4>
+template<unsigned int K> struct PacketKernels;
+template<> struct PacketKernels<4>
 {
   typedef RTCRayHit4 RayHits;
   typedef RTCRay4 Rays;
   static constexpr auto intersect = rtcIntersect4;
   static constexpr auto occluded = rtcOccluded4;
 };
-template<> struct Kernels<8>
+template<> struct PacketKernels<8>
 {
   typedef RTCRayHit8 RayHits;
   typedef RTCRay8 Rays;
   static constexpr auto intersect = rtcIntersect8;
   static constexpr auto occluded = rtcOccluded8;
 };
-template<> struct Kernels<16>
+template<> struct PacketKernels<16>
 {
   typedef RTCRayHit16 RayHits;
   typedef RTCRay16 Rays;
@@ -89,9 +89,10 @@ template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
-  if (!isKnown(query))
-    return asKnown(group, query, [=](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
-  typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
+  if (!isCurrentVersion(query))
+    return withConvertedQuery(group, query,
+      [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
+  typename PacketKernels<K>::RayHits& packet = *(typename PacketKernels<K>::RayHits*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
   unsigned int geomIDs[K], instIDs[K];
@@ -99,7 +100,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   std::memcpy(instIDs, packet.hit.instID[0], sizeof(instIDs));
   std::memset(packet.hit.geomID, 0xFF, sizeof(geomIDs));
   Query embreeQuery(query);
-  Kernels<K>::intersect(valid, group->scene, &embreeQuery.context, &packet);
+  PacketKernels<K>::intersect(valid, group->scene, &embreeQuery.context, &packet);
   std::memcpy(packet.hit.instID[0], instIDs, sizeof(instIDs));
   unsigned int hits = 0;
   for (unsigned int i = 0; i < K; i++) {
@@ -115,15 +116,16 @@ template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
-  if (!isKnown(query))
-    return asKnown(group, query, [=](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
-  typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
+  if (!isCurrentVersion(query))
+    return withConvertedQuery(group, query,
+      [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
+  typename PacketKernels<K>::Rays& packet = *(typename PacketKernels<K>::Rays*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
   unsigned int ended = 0, hits = 0;
   for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) ended |= 1u << i;
   Query embreeQuery(query);
-  Kernels<K>::occluded(valid, group->scene, &embreeQuery.context, &packet);
+  PacketKernels<K>::occluded(valid, group->scene, &embreeQuery.context, &packet);
   for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) hits |= 1u << i;
   return hits & ~ended;
 }
@@ -133,8 +135,9 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
-  if (!isKnown(query))
-    return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
+  if (!isCurrentVersion(query))
+    return withConvertedQuery(group, query,
+      [=](const CbvhQuery* converted) { return cbvhIntersect1(group, ray, converted); });
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
   const unsigned int geomID = rayHit->hit.geomID, instID = rayHit->hit.instID[0];
   rayHit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -149,8 +152,9 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
-  if (!isKnown(query))
-    return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
+  if (!isCurrentVersion(query))
+    return withConvertedQuery(group, query,
+      [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
   if (ray->tfar < 0) return 0;
   Query context(query);
   rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);

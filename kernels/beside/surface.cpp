@@ -45,7 +45,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   const CbvhDisplacementArguments publicArgs = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
                                                 args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z,
                                                 args->N};
-  const OwnErrors errors(false);
+  const ErrorScope errors(false);
   input.displacement(&publicArgs);
 }
 
@@ -64,7 +64,7 @@ bool reportProgress(void* self, double done)
 {
   const Input& input = *(const Input*)self;
   if (!input.progress) return true;
-  const OwnErrors errors(false);
+  const ErrorScope errors(false);
   return input.progress(input.progressPtr, done) != 0;
 }
 
@@ -114,25 +114,25 @@ void checkTopology(const CbvhCage& cage)
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
-  const std::string given = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
+  const std::string prefix = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
     + std::to_string(primID) + ": ";
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
     const float tolerance = 1e-3f; // because parameters of hits are rounded
     if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
-      throwInvalidArgument(given + "expected 0 to 1");
+      throwInvalidArgument(prefix + "expected 0 to 1");
     return;
   }
   const unsigned int corners = other->second, maxCorners = 16; // Embree does not tessellate faces with more
   if (corners > maxCorners)
-    throwInvalidArgument(given + "the face has " + std::to_string(corners)
+    throwInvalidArgument(prefix + "the face has " + std::to_string(corners)
       + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
-    throwInvalidArgument(given + "expected one of its " + std::to_string(corners)
+    throwInvalidArgument(prefix + "expected one of its " + std::to_string(corners)
       + " sub-patches, as hits number them");
 }
 
-CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
+CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surface)
 {
   if (surface.isChanging.exchange(true))
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
@@ -169,7 +169,7 @@ void CbvhSurfaceTy::setPending(InputPtr input)
 
 void CbvhSurfaceTy::set(const CbvhCage& cage)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   require(cage.numFaces > 0 && cage.faceVertexCounts && cage.indices, "the cage has no faces, or no indices");
   require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu,
     "too many faces or indices: expected less than 4294967295");
@@ -238,7 +238,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
 
 void CbvhSurfaceTy::set(const CbvhGrids& grids)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   require(grids.count > 0 && grids.grids, "there are no grids");
   require(grids.count < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
   InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
@@ -251,7 +251,7 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   require(mesh.verticesPerFace == 3 || mesh.verticesPerFace == 4, "invalid verticesPerFace of a mesh: expected 3 or 4");
   require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
   require(mesh.count < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
@@ -278,20 +278,20 @@ struct ScopedFlag
 
 void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   if (!pending || !pending->numEdges)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
       "there is no cage to dice: call cbvhSetCage first, also after a commit"};
   const ScopedFlag scope(isPendingInUse);
   rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
-  const std::vector<float> levels = core::dice(pending->inner(), cameraOf(dicing));
+  const std::vector<float> levels = core::dice(pending->embreeGeometry(), cameraOf(dicing));
   if (rates) std::copy(levels.begin(), levels.end(), rates);
 }
 
 void CbvhSurfaceTy::set(const CbvhAccuracy& newAccuracy)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   if (!(std::isfinite(newAccuracy.maxError) && newAccuracy.maxError >= 0))
     throwInvalidArgument("maxError " + std::to_string(newAccuracy.maxError)
       + " is negative or not finite: expected at least 0");
@@ -301,20 +301,20 @@ void CbvhSurfaceTy::set(const CbvhAccuracy& newAccuracy)
 
 void CbvhSurfaceTy::setLossless(bool lossless)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   isLossless = lossless;
 }
 
 void CbvhSurfaceTy::setMask(unsigned int newMask)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   mask = newMask;
 }
 
 void CbvhSurfaceTy::applyMask()
 {
   if (mask == appliedMask) return;
-  const Change change(*this);
+  const ChangeScope change(*this);
   rtcSetGeometryMask(current->geometry, mask);
   rtcCommitGeometry(current->geometry);
   context->check();
@@ -323,7 +323,7 @@ void CbvhSurfaceTy::applyMask()
 
 void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
 {
-  const Change change(*this);
+  const ChangeScope change(*this);
   if (!pending) {
     if (!current)
       throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh: set one of them first"};
@@ -343,7 +343,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
     {
       input->progress = nullptr;
       if (isCommitted) return;
-      try { core::setCompression(input->inner(), embree::CompressionSettings()); } catch (...) {}
+      try { core::setCompression(input->embreeGeometry(), embree::CompressionSettings()); } catch (...) {}
     }
   } restore = {pending, false};
   pending->progress = progress;
@@ -372,7 +372,7 @@ void CbvhSurfaceTy::commitInput()
     settings.progress = reportProgress;
     settings.progressUserPtr = pending.get();
   }
-  core::setCompression(pending->inner(), settings);
+  core::setCompression(pending->embreeGeometry(), settings);
   rtcSetGeometryMask(pending->geometry, mask);
   {
     const ScopedFlag scope(isPendingInUse);
@@ -381,9 +381,9 @@ void CbvhSurfaceTy::commitInput()
   /* A commit can store blocks and also report an error, about input that it left out. It then succeeds before
    * throwing. */
   const Failure failure = context->takeError();
-  if (!core::hasBlocks(pending->inner())) {
+  if (!core::hasBlocks(pending->embreeGeometry())) {
     if (failure) throw failure;
-    const char* const why = core::reasonNotCompressed(pending->inner());
+    const char* const why = core::reasonNotCompressed(pending->embreeGeometry());
     if (!why) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not stored"};
     throw Failure{CBVH_ERROR_INVALID_OPERATION, std::string("the mesh is not stored: its quads or triangles ") + why};
   }
@@ -394,11 +394,11 @@ void CbvhSurfaceTy::commitInput()
   if (failure) throw failure;
 }
 
-void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committed()->inner(), path); }
+void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committedInput()->embreeGeometry(), path); }
 
 void CbvhSurfaceTy::load(const char* path)
 {
-  const core::CompressedFile file(context->inner(), path);
+  const core::CompressedFile file(context->embreeDevice(), path);
   require(file.size() == 1, "invalid number of geometries in the file: expected 1");
   const core::FileDescription description = file.describe(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
@@ -406,14 +406,17 @@ void CbvhSurfaceTy::load(const char* path)
   current->isMesh = description.type == RTC_GEOMETRY_TYPE_QUAD || description.type == RTC_GEOMETRY_TYPE_TRIANGLE;
 }
 
-std::shared_ptr<const Input> CbvhSurfaceTy::committed() const
+std::shared_ptr<const Input> CbvhSurfaceTy::committedInput() const
 {
   if (!current)
     throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not committed: call cbvhCommitSurface first"};
   return current;
 }
 
-std::shared_ptr<const Input> CbvhSurfaceTy::interpolated() const { return isPendingInUse ? pending : committed(); }
+std::shared_ptr<const Input> CbvhSurfaceTy::interpolationInput() const
+{
+  return isPendingInUse ? pending : committedInput();
+}
 
 /* --- the API --------------------------------------------------------------------------- */
 
@@ -431,7 +434,7 @@ template<typename Closure>
 CbvhError onSurface(CbvhSurface surface, const Closure& closure)
 {
   if (!surface) return rejectArgument("surface is NULL");
-  const Held<CbvhSurfaceTy> held(surface); // callbacks may release the application's references
+  const RefPtr<CbvhSurfaceTy> held(surface); // callbacks may release the application's references
   return guarded(surface->context.get(), closure);
 }
 
@@ -508,14 +511,14 @@ CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* su
 }
 
 unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) {
-  return surface && surface->last() ? surface->last()->numPrimitives : 0;
+  return surface && surface->latestInput() ? surface->latestInput()->numPrimitives : 0;
 }
 
 CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P,
   float* dPdu, float* dPdv)
 {
   return onSurface(surface, [&] {
-    const std::shared_ptr<const Input> input = surface->interpolated();
+    const std::shared_ptr<const Input> input = surface->interpolationInput();
     require(attribute < input->widths.size(),
       "invalid attribute: expected less than the number of attributes of the surface");
     input->checkParameters(primID, u, v);
@@ -529,7 +532,7 @@ CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* in
 {
   return withStruct(surface, interpolation, "points", [&](const CbvhInterpolation& points) {
     require(points.count == 0 || (points.u && points.v), "u or v is NULL");
-    const std::shared_ptr<const Input> input = surface->interpolated();
+    const std::shared_ptr<const Input> input = surface->interpolationInput();
     require(points.attribute < input->widths.size(),
       "invalid attribute: expected less than the number of attributes of the surface");
     const unsigned int width = input->widths[points.attribute];
@@ -549,7 +552,7 @@ int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float 
   if (!surface || !triangle) { rejectArgument("surface or triangle is NULL"); return 0; }
   onSurface(surface, [&] {
     embree::cbvh::StoredTriangle stored;
-    isFound = core::findTriangle(surface->committed()->inner(), time, primID, u, v, Ng, stored);
+    isFound = core::findTriangle(surface->committedInput()->embreeGeometry(), time, primID, u, v, Ng, stored);
     if (isFound) *triangle = asPublic(stored);
   });
   return isFound;
@@ -559,9 +562,9 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
 {
   return onSurface(surface, [&] {
     require(function, "function is NULL");
-    const std::shared_ptr<const Input> input = surface->committed();
-    core::forEachPart(input->inner(), time, [&](const embree::cbvh::StoredPart& part) {
-      const OwnErrors errors(false);
+    const std::shared_ptr<const Input> input = surface->committedInput();
+    core::forEachPart(input->embreeGeometry(), time, [&](const embree::cbvh::StoredPart& part) {
+      const ErrorScope errors(false);
       const CbvhPart publicPart = asPublic(part);
       return function(userPtr, &publicPart) != 0;
     });
@@ -573,14 +576,14 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
 {
   return onSurface(surface, [&] {
     if (report) core::requireStruct(report);
-    const std::shared_ptr<const Input> input = surface->committed();
+    const std::shared_ptr<const Input> input = surface->committedInput();
     embree::cbvh::ClusterReport sums;
     const auto finish = [&] { if (report) core::writeStruct(report, embree::cbvh::reportAs<CbvhClusterReport>(sums)); };
     try {
-      core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
+      core::forEachCluster(input->embreeGeometry(), time, embree::cbvh::ClusterFormat(format),
           [&](const embree::cbvh::StoredCluster& cluster) {
         if (!function) return true;
-        const OwnErrors errors(false);
+        const ErrorScope errors(false);
         const CbvhPart part = asPublic(*cluster.part);
         const CbvhCluster publicCluster = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
         return function(userPtr, &publicCluster) != 0;

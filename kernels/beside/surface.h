@@ -33,7 +33,7 @@ struct Input
   void* progressPtr = nullptr;
 
   /* The geometry, for functions of the core. */
-  embree::Geometry* inner() const { return (embree::Geometry*)geometry; }
+  embree::Geometry* embreeGeometry() const { return (embree::Geometry*)geometry; }
 
   /* Throws unless the face exists, and u and v are its parameters, numbered as in hits. */
   void checkParameters(unsigned int primID, float u, float v) const;
@@ -47,7 +47,7 @@ struct Input
 
 }} // namespace embree::beside
 
-struct CbvhSurfaceTy : embree::beside::Counted
+struct CbvhSurfaceTy : embree::beside::RefCounted
 {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
@@ -75,25 +75,25 @@ struct CbvhSurfaceTy : embree::beside::Counted
 
   /* Input of the last commit. Throws if there is none. The result keeps the input alive even if a callback commits or
    * releases the surface meanwhile. */
-  std::shared_ptr<const embree::beside::Input> committed() const;
+  std::shared_ptr<const embree::beside::Input> committedInput() const;
 
   /* Input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
-  std::shared_ptr<const embree::beside::Input> interpolated() const;
+  std::shared_ptr<const embree::beside::Input> interpolationInput() const;
   /* The input that was set last, committed or not; NULL if there is none. */
-  const embree::beside::Input* last() const { return pending ? pending.get() : current.get(); }
+  const embree::beside::Input* latestInput() const { return pending ? pending.get() : current.get(); }
 
-  const embree::beside::Held<CbvhContextTy> context;
+  const embree::beside::RefPtr<CbvhContextTy> context;
 
 private:
   typedef std::shared_ptr<embree::beside::Input> InputPtr;
 
   /* Exists while the surface is changed. The constructor throws if another change is in progress, for example if a
    * commit's callback changes the surface. */
-  class Change
+  class ChangeScope
   {
   public:
-    explicit Change(CbvhSurfaceTy& surface);
-    ~Change() { surface.isChanging = false; }
+    explicit ChangeScope(CbvhSurfaceTy& surface);
+    ~ChangeScope() { surface.isChanging = false; }
 
   private:
     CbvhSurfaceTy& surface;
@@ -113,6 +113,6 @@ private:
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy(); // of the next and the last commit
   bool isLossless = false, committedLossless = false;
   unsigned int mask = ~0u, appliedMask = ~0u; // value of setMask(), and value of the committed geometry
-  std::atomic<bool> isChanging{false}; // set while a Change exists
+  std::atomic<bool> isChanging{false}; // set while a ChangeScope exists
   std::atomic<bool> isPendingInUse{false}; // set while callbacks of the pending input may be called
 };

@@ -38,9 +38,9 @@ bool isInstance(RTCGeometryType type) {
 /* Converts a geometry that Embree returned to the application's handle. */
 RTCGeometry originalOf(RTCGeometry geometry)
 {
-  if (!geometry || !hasStandIns() || !isActive()) return geometry;
-  const StandIn* const standIn = asStandIn(REAL(rtcGetGeometryUserData)(geometry));
-  return standIn ? standIn->original : geometry;
+  if (!geometry || !hasSubstitutes() || !isActive()) return geometry;
+  const SubstituteData* const data = asSubstituteData(REAL(rtcGetGeometryUserData)(geometry));
+  return data ? data->original : geometry;
 }
 
 /* Returns the geometry that Embree must attach instead of the application's. isOriginal: receives true if it is the
@@ -53,7 +53,7 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 }
 
 /* Fraction of a scene's progress that reports builds by libembree_cbvh; Embree's commit reports the rest. */
-constexpr double shareOfBuilds = 0.9;
+constexpr double buildFraction = 0.9;
 
 /* Progress function that Embree calls. Returns false to cancel the commit. */
 bool reportProgress(void* ptr, double done)
@@ -68,19 +68,19 @@ void prepare(Scene& scene)
   Objects& objects = Objects::get();
   const auto all = objects.substitutedOf(scene);
   size_t count = 0, done = 0;
-  for (const auto& one : all) count += one.second->substituted->needsBuild();
-  for (const auto& one : all) {
-    Substituted& geometry = *one.second->substituted;
+  for (const auto& entry : all) count += entry.second->substituted->needsBuild();
+  for (const auto& entry : all) {
+    Substituted& geometry = *entry.second->substituted;
     const bool needsBuild = geometry.needsBuild();
     if (needsBuild && !scene.isCanceled)
       scene.isCanceled =
         !geometry.build([&](double part) { return !scene.progress
-          || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
+          || scene.progress(scene.progressPtr, buildFraction*(double(done) + part)/double(count)); });
     done += needsBuild;
     const bool isOriginal = geometry.isLeftToEmbree();
-    if (!objects.exchange(scene, one.first, one.second, isOriginal)) continue;
-    REAL(rtcDetachGeometry)(scene.handle, one.first);
-    REAL(rtcAttachGeometryByID)(scene.handle, isOriginal ? one.second->handle : geometry.substitute, one.first);
+    if (!objects.exchange(scene, entry.first, entry.second, isOriginal)) continue;
+    REAL(rtcDetachGeometry)(scene.handle, entry.first);
+    REAL(rtcAttachGeometryByID)(scene.handle, isOriginal ? entry.second->handle : geometry.substitute, entry.first);
   }
   objects.releaseAll(all);
 }
@@ -207,8 +207,8 @@ RTC_API RTCGeometry rtcGetGeometryThreadSafe(RTCScene scene, unsigned int geomID
 RTC_API void* rtcGetGeometryUserDataFromScene(RTCScene scene, unsigned int geomID)
 {
   void* const userData = REAL(rtcGetGeometryUserDataFromScene)(scene, geomID);
-  const StandIn* const standIn = asStandIn(userData);
-  return standIn ? standIn->userData : userData;
+  const SubstituteData* const data = asSubstituteData(userData);
+  return data ? data->userData : userData;
 }
 
 RTC_API void rtcCommitScene(RTCScene scene)

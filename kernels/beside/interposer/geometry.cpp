@@ -46,25 +46,25 @@ Substituted* Substituted::make(RTCDevice device, const std::string& settings, RT
     warnOnce("all geometry is left to Embree, which was built without user geometry");
     return nullptr;
   }
-  StandIn* const standIn = newStandIn();
-  if (!standIn) {
+  SubstituteData* const data = newSubstituteData();
+  if (!data) {
     warnOnce("a geometry is left to Embree: out of memory for its substitute");
     return nullptr;
   }
-  standIn->original = original;
-  const RTCGeometry substitute = newUserGeometry(device, standIn);
-  if (substitute) return new Substituted(settings, original, type, standIn, substitute);
-  deleteStandIn(standIn);
+  data->original = original;
+  const RTCGeometry substitute = newUserGeometry(device, data);
+  if (substitute) return new Substituted(settings, original, type, data, substitute);
+  deleteSubstituteData(data);
   return nullptr;
 }
 
-Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
+Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, SubstituteData* data,
   RTCGeometry substitute)
-  : standIn(standIn), substitute(substitute), settings(settings)
+  : data(data), substitute(substitute), settings(settings)
 {
   input.type = type;
   input.original = original;
-  input.userData = &standIn->userData;
+  input.userData = &data->userData;
   REAL(rtcRetainGeometry)(original);
 }
 
@@ -73,20 +73,20 @@ Substituted::~Substituted()
   discard();
   REAL(rtcReleaseGeometry)(substitute);
   REAL(rtcReleaseGeometry)(input.original);
-  deleteStandIn(standIn);
+  deleteSubstituteData(data);
 }
 
 void Substituted::discard()
 {
-  if (standIn->group) cbvhReleaseGroup(standIn->group);
+  if (data->group) cbvhReleaseGroup(data->group);
   if (surface) cbvhReleaseSurface(surface);
-  standIn->group = nullptr;
+  data->group = nullptr;
   surface = nullptr;
 }
 
 void Substituted::setUserData(void* userData)
 {
-  standIn->userData = userData;
+  data->userData = userData;
   change(input.displacement ? InputChange : AppearanceChange);
 }
 
@@ -129,20 +129,20 @@ void Substituted::buildSurface(const Progress& progress)
     accuracy.maxError = options().maxError;
     check(cbvhSetAccuracy(surface, &accuracy));
   }
-  input.describeTo(surface);
-  const auto tell = [](void* progress, double done) { return (*(const Progress*)progress)(done) ? 1 : 0; };
-  const CbvhError error = cbvhCommitSurface(surface, tell, (void*)&progress);
+  input.applyTo(surface);
+  const auto reportProgress = [](void* progress, double done) { return (*(const Progress*)progress)(done) ? 1 : 0; };
+  const CbvhError error = cbvhCommitSurface(surface, reportProgress, (void*)&progress);
   if (error == CBVH_ERROR_CANCELLED) throw Canceled();
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));
   /* CBVH_ERROR_INVALID_ARGUMENT: the group left out faces, as Embree does */
-  const CbvhError left = cbvhCommitGroup(group);
-  if (left != CBVH_OK && left != CBVH_ERROR_INVALID_ARGUMENT) {
+  const CbvhError groupError = cbvhCommitGroup(group);
+  if (groupError != CBVH_OK && groupError != CBVH_ERROR_INVALID_ARGUMENT) {
     cbvhReleaseGroup(group);
-    check(left);
+    check(groupError);
   }
-  standIn->group = group;
+  data->group = group;
 }
 
 } // namespace interposer

@@ -8,7 +8,7 @@
  * scene, so that Embree never tessellates it. If a geometry cannot be compressed, scenes contain the original. */
 
 #include "input.h"
-#include "stand_in.h"
+#include "substitute_data.h"
 
 #include <atomic>
 #include <functional>
@@ -40,7 +40,7 @@ public:
   void setEnabled(bool enabled) { isEnabled = enabled; }
   void setUserData(void* userData);
 
-  StandIn* const standIn;
+  SubstituteData* const data;
   const RTCGeometry substitute;
 
   /* Builds the committed input if necessary. Returns false if `progress` canceled. Threads may call it concurrently. */
@@ -51,7 +51,7 @@ public:
   bool isLeftToEmbree() const { return isLeft; }
 
 private:
-  Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
+  Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, SubstituteData* data,
     RTCGeometry substitute);
   void discard(); // releases the built surface and its group
   void buildSurface(const Progress& progress);

@@ -94,14 +94,14 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   return result;
 }
 
-void Input::describeTo(CbvhSurface surface) const
+void Input::applyTo(CbvhSurface surface) const
 {
-  if (type == RTC_GEOMETRY_TYPE_SUBDIVISION) describeCage(surface);
-  else if (type == RTC_GEOMETRY_TYPE_GRID) describeGrids(surface);
-  else describeMesh(surface);
+  if (type == RTC_GEOMETRY_TYPE_SUBDIVISION) applyCage(surface);
+  else if (type == RTC_GEOMETRY_TYPE_GRID) applyGrids(surface);
+  else applyMesh(surface);
 }
 
-void Input::describeCage(CbvhSurface surface) const
+void Input::applyCage(CbvhSurface surface) const
 {
   std::vector<const float*> steps;
   CbvhCage cage = CbvhCage();
@@ -148,7 +148,7 @@ void Input::describeCage(CbvhSurface surface) const
   check(cbvhSetCage(surface, &cage));
 }
 
-void Input::describeGrids(CbvhSurface surface) const
+void Input::applyGrids(CbvhSurface surface) const
 {
   static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   std::vector<const float*> steps;
@@ -161,7 +161,7 @@ void Input::describeGrids(CbvhSurface surface) const
   check(cbvhSetGrids(surface, &grids));
 }
 
-void Input::describeMesh(CbvhSurface surface) const
+void Input::applyMesh(CbvhSurface surface) const
 {
   std::vector<const float*> steps;
   CbvhMesh mesh = CbvhMesh();

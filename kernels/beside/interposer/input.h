@@ -40,14 +40,14 @@ struct Input
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
 
   /* Sets a surface's cage, grids or mesh. Throws Unsupported. */
-  void describeTo(CbvhSurface surface) const;
+  void applyTo(CbvhSurface surface) const;
 
 private:
   const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
   CbvhVertices vertices(std::vector<const float*>& steps) const;
-  void describeCage(CbvhSurface surface) const;
-  void describeGrids(CbvhSurface surface) const;
-  void describeMesh(CbvhSurface surface) const;
+  void applyCage(CbvhSurface surface) const;
+  void applyGrids(CbvhSurface surface) const;
+  void applyMesh(CbvhSurface surface) const;
 };
 
 } // namespace interposer

@@ -43,7 +43,7 @@ bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
 template<typename Query>
 bool runQuery(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {
-  if (!function || !hasStandIns() || !isActive()) return query(function);
+  if (!function || !hasSubstitutes() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     warnOnce("point queries do not find grids, quads and triangles that are compressed");
   const PointQuery entered = {scene, function};

@@ -5,7 +5,7 @@
  * callbacks need the arguments of these functions: if they contain a function for user geometry, Embree 4 calls it
  * instead of the geometry's own, and does not pass on the arguments' filter. */
 
-#include "stand_in.h"
+#include "substitute_data.h"
 
 #include <cbvh/embree.h>
 
@@ -35,11 +35,11 @@ private:
 
 /* Returns the filter in the query's arguments if Embree would call it for this geometry, otherwise NULL. */
 template<typename Arguments>
-RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
+RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
 {
   const Arguments* const arguments = Current<Arguments>::arguments;
   if (!arguments || !arguments->filter) return nullptr;
-  return standIn.takesArgumentFilters
+  return data.usesArgumentFilter
     || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter : nullptr;
 }
 
@@ -50,8 +50,8 @@ struct FilteredContext
 {
   CbvhQueryContext query;
   RTCRayQueryContext* context;   // the application's, which can be longer than this type
-  const StandIn* standIn;
-  RTCFilterFunctionN ofGeometry, ofArguments;
+  const SubstituteData* data;
+  RTCFilterFunctionN geometryFilter, argumentsFilter;
 };
 
 /* Calls the application's filters as Embree does: the geometry's, then the arguments'. */
@@ -59,22 +59,22 @@ void filter(const RTCFilterFunctionNArguments* args)
 {
   const FilteredContext& filtered = *(const FilteredContext*)args->context;
   RTCFilterFunctionNArguments changed = *args;
-  changed.geometryUserPtr = filtered.standIn->userData;
+  changed.geometryUserPtr = filtered.data->userData;
   changed.context = filtered.context;
-  if (filtered.ofGeometry) filtered.ofGeometry(&changed);
-  if (*changed.valid && filtered.ofArguments) filtered.ofArguments(&changed);
+  if (filtered.geometryFilter) filtered.geometryFilter(&changed);
+  if (*changed.valid && filtered.argumentsFilter) filtered.argumentsFilter(&changed);
 }
 
-/* Traces the group of a stand-in. function: cbvhIntersectGeometry or cbvhOccludedGeometry. */
+/* Traces the group of a substitute. function: cbvhIntersectGeometry or cbvhOccludedGeometry. */
 template<typename Function, typename Arguments>
-void call(const Function& function, const Arguments* args, const StandIn& standIn, RTCFilterFunctionN ofGeometry,
-  RTCFilterFunctionN ofArguments)
+void call(const Function& function, const Arguments* args, const SubstituteData& data,
+  RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter)
 {
-  if (!standIn.group) return;
+  if (!data.group) return;
   Arguments changed = *args;
-  changed.geometryUserPtr = standIn.group;
-  if (!ofGeometry && !ofArguments) { function(&changed, 0); return; }
-  FilteredContext filtered = {{*args->context, filter}, args->context, &standIn, ofGeometry, ofArguments};
+  changed.geometryUserPtr = data.group;
+  if (!geometryFilter && !argumentsFilter) { function(&changed, 0); return; }
+  FilteredContext filtered = {{*args->context, filter}, args->context, &data, geometryFilter, argumentsFilter};
   changed.context = &filtered.query.context;
   function(&changed, CBVH_GEOMETRY_CONTEXT_FILTERS);
 }
@@ -84,43 +84,43 @@ void call(const Function& function, const Arguments* args, const StandIn& standI
 void bound(const RTCBoundsFunctionArguments* args)
 {
   RTCBoundsFunctionArguments changed = *args;
-  changed.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
+  changed.geometryUserPtr = ((const SubstituteData*)args->geometryUserPtr)->group;
   if (changed.geometryUserPtr) { cbvhBoundGeometry(&changed); return; }
   *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args)
 {
-  const StandIn& standIn = *(const StandIn*)args->geometryUserPtr;
-  call(cbvhIntersectGeometry, args, standIn, standIn.intersectFilter,
-    filterOfArguments<RTCIntersectArguments>(standIn));
+  const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
+  call(cbvhIntersectGeometry, args, data, data.intersectFilter,
+    filterOfArguments<RTCIntersectArguments>(data));
 }
 
 void occluded(const RTCOccludedFunctionNArguments* args)
 {
-  const StandIn& standIn = *(const StandIn*)args->geometryUserPtr;
-  call(cbvhOccludedGeometry, args, standIn, standIn.occludedFilter, filterOfArguments<RTCOccludedArguments>(standIn));
+  const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
+  call(cbvhOccludedGeometry, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
-/* Replace the application's functions for user geometry, and call them for all geometries but stand-ins. */
+/* Replace the application's functions for user geometry, and call them for all geometries but substitutes. */
 void intersectAny(const RTCIntersectFunctionNArguments* args)
 {
-  if (asStandIn(args->geometryUserPtr)) intersect(args);
+  if (asSubstituteData(args->geometryUserPtr)) intersect(args);
   else Current<RTCIntersectArguments>::arguments->intersect(args);
 }
 
 void occludedAny(const RTCOccludedFunctionNArguments* args)
 {
-  if (asStandIn(args->geometryUserPtr)) occluded(args);
+  if (asSubstituteData(args->geometryUserPtr)) occluded(args);
   else Current<RTCOccludedArguments>::arguments->occluded(args);
 }
 
-/* Calls query(args). A function for user geometry in args is replaced by one that also handles stand-ins.
+/* Calls query(args). A function for user geometry in args is replaced by one that also handles substitutes.
  * query: calls Embree's function. */
 template<typename Query>
 void runQuery(RTCIntersectArguments* args, const Query& query)
 {
-  if (!hasStandIns() || !isActive()) { query(args); return; }
+  if (!hasSubstitutes() || !isActive()) { query(args); return; }
   const QueryScope<RTCIntersectArguments> entered(args);
   if (!args || !args->intersect) { query(args); return; }
   RTCIntersectArguments changed = *args;
@@ -131,7 +131,7 @@ void runQuery(RTCIntersectArguments* args, const Query& query)
 template<typename Query>
 void runQuery(RTCOccludedArguments* args, const Query& query)
 {
-  if (!hasStandIns() || !isActive()) { query(args); return; }
+  if (!hasSubstitutes() || !isActive()) { query(args); return; }
   const QueryScope<RTCOccludedArguments> entered(args);
   if (!args || !args->occluded) { query(args); return; }
   RTCOccludedArguments changed = *args;
@@ -141,12 +141,12 @@ void runQuery(RTCOccludedArguments* args, const Query& query)
 
 } // namespace
 
-RTCGeometry newUserGeometry(RTCDevice device, StandIn* standIn)
+RTCGeometry newUserGeometry(RTCDevice device, SubstituteData* data)
 {
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return nullptr;
   REAL(rtcSetGeometryUserPrimitiveCount)(geometry, 1);
-  REAL(rtcSetGeometryUserData)(geometry, standIn);
+  REAL(rtcSetGeometryUserData)(geometry, data);
   REAL(rtcSetGeometryBoundsFunction)(geometry, bound, nullptr);
   REAL(rtcSetGeometryIntersectFunction)(geometry, intersect);
   REAL(rtcSetGeometryOccludedFunction)(geometry, occluded);

@@ -180,17 +180,17 @@ RTC_API void rtcSetGeometryUserData(RTCGeometry geometry, void* ptr)
 RTC_API void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
 {
   REAL(rtcSetGeometryIntersectFilterFunction)(geometry, filter);
-  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->intersectFilter = filter; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.data->intersectFilter = filter; });
 }
 
 RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
 {
   REAL(rtcSetGeometryOccludedFilterFunction)(geometry, filter);
-  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->occludedFilter = filter; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.data->occludedFilter = filter; });
 }
 
 RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable)
 {
   REAL(rtcSetGeometryEnableFilterFunctionFromArguments)(geometry, enable);
-  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->takesArgumentFilters = enable; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.data->usesArgumentFilter = enable; });
 }

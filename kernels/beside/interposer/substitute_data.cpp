@@ -1,0 +1,58 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "substitute_data.h"
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <sys/mman.h>
+
+namespace interposer {
+
+SubstituteDataRange substituteDataRange = {{0}, {0}};
+
+namespace {
+
+constexpr size_t maxSubstitutes = size_t(1) << 20;   // only reserves addresses; the system adds memory on demand
+
+struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted SubstituteData
+
+std::mutex& mutex = *new std::mutex;
+FreeEntry* firstFree = nullptr;
+size_t numUsed = 0;                    // used entries from the start of the range, including free ones
+std::atomic<bool> hasAny{false};       // stays true
+
+} // namespace
+
+bool hasSubstitutes() { return hasAny.load(std::memory_order_relaxed); }
+
+SubstituteData* newSubstituteData()
+{
+  static_assert(sizeof(SubstituteData) >= sizeof(FreeEntry), "the size of an entry of the free list");
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (substituteDataRange.size == 0) {
+    void* const base = mmap(nullptr, maxSubstitutes*sizeof(SubstituteData), PROT_READ | PROT_WRITE,
+      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (base == MAP_FAILED) return nullptr;
+    substituteDataRange.begin.store(uintptr_t(base), std::memory_order_relaxed);
+    substituteDataRange.size.store(maxSubstitutes*sizeof(SubstituteData), std::memory_order_release);
+  }
+  SubstituteData* data = (SubstituteData*)firstFree;
+  if (firstFree) firstFree = firstFree->next;
+  else if (numUsed < maxSubstitutes) data = (SubstituteData*)substituteDataRange.begin.load() + numUsed++;
+  else return nullptr;
+  std::memset((void*)data, 0, sizeof(SubstituteData));
+  hasAny = true;
+  return data;
+}
+
+void deleteSubstituteData(SubstituteData* data)
+{
+  const std::lock_guard<std::mutex> lock(mutex);
+  FreeEntry* const entry = (FreeEntry*)data;
+  entry->next = firstFree;
+  firstFree = entry;
+}
+
+} // namespace interposer
