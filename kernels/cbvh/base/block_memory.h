@@ -33,7 +33,7 @@ namespace embree
       void* operator() (size_t bytes, size_t = 0);
 
       /*! Must be called after the last allocation: detaches the threads from Embree's allocator. */
-      void end ();
+      void detachThreads ();
 
     private:
       struct Piece { void* data; size_t bytes; };

@@ -51,7 +51,7 @@ namespace embree
        *  primitive_type.h. readPast: bytes after the block that decoders may read. */
       void commit (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
       {
-        waiting.push_back(Waiting{ used,bounds,type,readPast });
+        pending.push_back(PendingBlock{ used,bounds,type,readPast });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
@@ -63,23 +63,23 @@ namespace embree
       }
 
       /*! Writers call it after each patch. flush() must be called after the last one. */
-      void flushIfFull () { if (used > fullPieceBytes) flush(); }
+      void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
       /*! Copies the buffered blocks to the memory of the surface and creates their primitives. A piece of memory
        *  contains many blocks, because the allocator rounds up the size of each piece. */
       void flush ()
       {
-        for (size_t i=0, next; i<waiting.size(); i=next)
+        for (size_t i=0, next; i<pending.size(); i=next)
         {
-          const size_t from = waiting[i].offset;
-          for (next=i+1; next<waiting.size() && waiting[next].offset-from < maxPieceBytes; next++);
-          const size_t size = (next < waiting.size() ? waiting[next].offset : used) - from;
-          char* piece = (char*)(*memory)(size+waiting[next-1].readPast);
+          const size_t from = pending[i].offset;
+          for (next=i+1; next<pending.size() && pending[next].offset-from < maxPieceBytes; next++);
+          const size_t size = (next < pending.size() ? pending[next].offset : used) - from;
+          char* piece = (char*)(*memory)(size+pending[next-1].readPast);
           memcpy(piece,bytes.data()+from,size);
           for (size_t k=i; k<next; k++)
-            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(waiting[k].offset-from),waiting[k].type)));
+            add(pending[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(pending[k].offset-from),pending[k].type)));
         }
-        waiting.clear();
+        pending.clear();
         used = 0;
       }
 
@@ -91,7 +91,7 @@ namespace embree
       mvector<PrimRef> prims;
       mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-      static const size_t fullPieceBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
+      static const size_t flushThresholdBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
 
     private:
       /*! A piece is one allocation of flush(). It has fewer bytes than this, not counting its last block. Embree's
@@ -99,7 +99,7 @@ namespace embree
        *  fit. */
       static const size_t maxPieceBytes = 1 << 20;
 
-      struct Waiting
+      struct PendingBlock
       {
         size_t offset; //!< in `bytes`
         BBox3fa bounds;
@@ -108,7 +108,7 @@ namespace embree
       };
       mvector<uint8_t> bytes; //!< the buffer, which never shrinks
       size_t used = 0;        //!< bytes of the buffer that contain blocks
-      std::vector<Waiting> waiting; //!< buffered blocks
+      std::vector<PendingBlock> pending; //!< buffered blocks
     };
   }
 }

@@ -32,13 +32,15 @@ namespace embree
       /*! own: vertex as its face evaluates it. stored: decoded vertex. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
-      void addDeviation (double squaredDistance) { deviation2 = std::max(deviation2,squaredDistance); }
+      void addDeviation (double squaredDistance) {
+        maxSquaredDeviation = std::max(maxSquaredDeviation,squaredDistance);
+      }
 
       /*! For a vertex on an edge between two faces. shared: vertex as the edge's owner evaluates it. */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
       {
         addVertex(shared,stored);
-        gap2 = std::max(gap2,distance2(own,shared));
+        maxSquaredMismatch = std::max(maxSquaredMismatch,distance2(own,shared));
       }
 
       /*! Adds the statistics of another task of the same surface, and updates sums.maxVertexDeviation and
@@ -46,10 +48,10 @@ namespace embree
       void merge (const BuildStatistics& other)
       {
         add(other);
-        deviation2 = std::max(deviation2,other.deviation2);
-        gap2 = std::max(gap2,other.gap2);
-        sums.maxVertexDeviation = float(std::sqrt(deviation2));
-        sums.maxBorderMismatch = float(std::sqrt(gap2));
+        maxSquaredDeviation = std::max(maxSquaredDeviation,other.maxSquaredDeviation);
+        maxSquaredMismatch = std::max(maxSquaredMismatch,other.maxSquaredMismatch);
+        sums.maxVertexDeviation = float(std::sqrt(maxSquaredDeviation));
+        sums.maxBorderMismatch = float(std::sqrt(maxSquaredMismatch));
       }
 
       /*! Adds the final statistics of a surface. */
@@ -57,8 +59,8 @@ namespace embree
       {
         cbvh::add(sums,other.sums);
         highRateQuads += other.highRateQuads;
-        refusedQuads += other.refusedQuads;
-        refusedInGrid += other.refusedInGrid;
+        framelessQuads += other.framelessQuads;
+        framelessQuadsInGrid += other.framelessQuadsInGrid;
         quadsForHoles += other.quadsForHoles;
         bytesInEmbree += other.bytesInEmbree;
         invalidFaces += other.invalidFaces;
@@ -75,7 +77,7 @@ namespace embree
         return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderMismatch; merge() takes the roots
+      double maxSquaredDeviation = 0, maxSquaredMismatch = 0;
     };
   }}
 }

@@ -24,30 +24,30 @@ namespace embree
       };
 
       /*! Geometry ID of a surface number in the scene of the query, see surface_ids.h. */
-      __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) {
+      __forceinline uint32_t geomIDOf (const IntersectContext* context, uint32_t surface) {
         return context->scene->surfaceIDs[surface];
       }
 
       /*! Reports a hit of a single ray. surface: surface number. Returns false if the mask or a filter rejected it. */
       __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
                                  SurfaceHit1& hit) {
-        return Intersect1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
+        return Intersect1Epilog1<true>(ray,context,geomIDOf(context,surface),primID)(hit);
       }
       __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
                                  SurfaceHit1& hit) {
-        return Occluded1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
+        return Occluded1Epilog1<true>(ray,context,geomIDOf(context,surface),primID)(hit);
       }
 
       /*! Reports a hit of ray k of a packet. Returns false if the mask or a filter rejected it. */
       template<int K>
       __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
                                  uint32_t primID, SurfaceHit1& hit) {
-        return Intersect1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
+        return Intersect1KEpilog1<K,true>(rays,k,context,geomIDOf(context,surface),primID)(hit);
       }
       template<int K>
       __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
                                  uint32_t primID, SurfaceHit1& hit) {
-        return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
+        return Occluded1KEpilog1<K,true>(rays,k,context,geomIDOf(context,surface),primID)(hit);
       }
 
       /*! Reports one hit for each of the rays `lanes`. Returns the rays whose hit was accepted. hit: functor with the
@@ -55,13 +55,13 @@ namespace embree
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
-        return IntersectKEpilogMU<1,K,true>(rays,context,idOf(context,surface),primID)(lanes,hit);
+        return IntersectKEpilogMU<1,K,true>(rays,context,geomIDOf(context,surface),primID)(lanes,hit);
       }
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
-        vbool<K> open = lanes; // Embree removes rays that hit; callers use the returned rays instead
-        return OccludedKEpilogMU<1,K,true>(open,rays,context,idOf(context,surface),primID)(lanes,hit);
+        vbool<K> remaining = lanes; // Embree removes rays that hit; callers use the returned rays instead
+        return OccludedKEpilogMU<1,K,true>(remaining,rays,context,geomIDOf(context,surface),primID)(lanes,hit);
       }
 
       /*! True for the ray types of any-hit queries. */
@@ -76,7 +76,7 @@ namespace embree
       template<int K>
       __forceinline bool needsHitData (const RayK<K>&, const IntersectContext* context, uint32_t surface) {
         return unlikely(context->hasContextFilter()
-                        || context->scene->get(idOf(context,surface))->hasOcclusionFilter());
+                        || context->scene->get(geomIDOf(context,surface))->hasOcclusionFilter());
       }
     }
   }

@@ -48,12 +48,12 @@ namespace embree
       {
         const unsigned side = gridQuads;
         const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side },
-          rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
+          remaining[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
         size_t bytes = 0;
         if (full[0] && full[1]) bytes += size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
-        if (rest[0] && full[1]) bytes += full[1]*bytesOfGrid(rest[0],side);
-        if (rest[1] && full[0]) bytes += full[0]*bytesOfGrid(side,rest[1]);
-        if (rest[0] && rest[1]) bytes += bytesOfGrid(rest[0],rest[1]);
+        if (remaining[0] && full[1]) bytes += full[1]*bytesOfGrid(remaining[0],side);
+        if (remaining[1] && full[0]) bytes += full[0]*bytesOfGrid(side,remaining[1]);
+        if (remaining[0] && remaining[1]) bytes += bytesOfGrid(remaining[0],remaining[1]);
         return bytes;
       }
 
@@ -61,13 +61,13 @@ namespace embree
       /*! Computes the size of each of the 64 sizes of grids once. Threads may compute the same entry. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
-        static std::atomic<uint32_t> known[gridQuads+1][gridQuads+1];
-        uint32_t bytes = known[y][x];
-        if (bytes == 0) known[y][x] = bytes = uint32_t(countBytes(x,y));
+        static std::atomic<uint32_t> cached[gridQuads+1][gridQuads+1];
+        uint32_t bytes = cached[y][x];
+        if (bytes == 0) cached[y][x] = bytes = uint32_t(computeBytes(x,y));
         return bytes;
       }
 
-      static size_t countBytes (unsigned x, unsigned y)
+      static size_t computeBytes (unsigned x, unsigned y)
       {
         // a third of a node: nodes with four children are a third as many as their leaves
         return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)

@@ -87,8 +87,8 @@ namespace embree
     {
       CompressionStatistics sums;
       size_t highRateQuads = 0;    //!< traced by GRID because their edge rates are too high
-      size_t refusedQuads = 0;     //!< stored in full precision, because their block has no valid frame
-      size_t refusedInGrid = 0;    //!< part of refusedQuads that GRID traces
+      size_t framelessQuads = 0;     //!< stored in full precision, because their block has no valid frame
+      size_t framelessQuadsInGrid = 0;    //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
       size_t bytesInEmbree = 0;    //!< estimated bytes that Embree's own kernels would need

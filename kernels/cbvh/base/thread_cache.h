@@ -46,17 +46,17 @@ namespace embree
     extern const size_t largeCaches;
 
     /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries are never touched, and
-     *  occupy no memory. numAfter: entries after the last slot, for users that access several entries per slot. */
-    template<typename Entry, size_t count, size_t numAfter = 0>
+     *  occupy no memory. numExtra: entries after the last slot, for users that access several entries per slot. */
+    template<typename Entry, size_t count, size_t numExtra = 0>
     struct CacheEntries
     {
       static __forceinline size_t slot (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
-      static __forceinline size_t size () { return count + largeCaches*count + numAfter; }
+      static __forceinline size_t size () { return count + largeCaches*count + numExtra; }
 
       __forceinline Entry& operator[] (size_t slot) { return entries[slot]; }
 
     private:
-      Entry entries[2*count+numAfter];
+      Entry entries[2*count+numExtra];
     };
 
     /*! Entries: plain data with clear(), which invalidates all entries. */
@@ -69,11 +69,11 @@ namespace embree
       {
         ThreadCache* cache = current;
         const unsigned now = cacheGeneration.load(std::memory_order_relaxed);
-        return cache != nullptr && cache->generation == now ? *cache : renew(now);
+        return cache != nullptr && cache->generation == now ? *cache : refresh(now);
       }
 
     private:
-      static ThreadCache& renew (unsigned now);
+      static ThreadCache& refresh (unsigned now);
 
       unsigned generation; //!< value of cacheGeneration
 

@@ -42,8 +42,8 @@ namespace embree
         store.flush();
         std::unique_ptr<List> list;
         if (store.prims.size())
-          list.reset(new List{ primitive,patch,strip,moveAll(store.device,store.prims),
-            moveAll(store.device,store.boxes) });
+          list.reset(new List{ primitive,patch,strip,copyAndClear(store.device,store.prims),
+            copyAndClear(store.device,store.boxes) });
         Lock<MutexSys> lock(mutex);
         hitBounds.extend(store.hitBounds);
         if (list) lists.push_back(std::move(list));
@@ -51,13 +51,13 @@ namespace embree
 
       /*! Copies to a vector without unused capacity. `from` keeps its capacity for the task's next blocks. */
       template<typename T>
-      static mvector<T> moveAll (Device* device, mvector<T>& from)
+      static mvector<T> copyAndClear (Device* device, mvector<T>& from)
       {
-        mvector<T> moved(device,0);
-        cbvh::resizeToFit(moved,from.size());
-        std::copy(from.begin(),from.end(),moved.begin());
+        mvector<T> copy(device,0);
+        cbvh::resizeToFit(copy,from.size());
+        std::copy(from.begin(),from.end(),copy.begin());
         from.clear();
-        return moved;
+        return copy;
       }
 
       void add (const cbvh::BuildStatistics& taskStatistics)

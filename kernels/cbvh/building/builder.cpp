@@ -27,10 +27,10 @@ namespace embree
     template<typename Grids>
     static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
     {
-      std::unique_ptr<IrregularBlocks> loose;
+      std::unique_ptr<IrregularBlocks> irregular;
       const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
-      if (parts->hasIrregular()) loose.reset(new IrregularBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
-      return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(loose)));
+      if (parts->hasIrregular()) irregular.reset(new IrregularBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
+      return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
     }
 
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
@@ -58,7 +58,7 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> buildsUnderTree; //!< SurfaceBlocks::build of each surface in the tree; empty without a tree
+      std::vector<uint64_t> buildsInTree; //!< SurfaceBlocks::build of each surface in the tree; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -83,7 +83,7 @@ namespace embree
 
       void clear ()
       {
-        buildsUnderTree.clear();
+        buildsInTree.clear();
         bvh->set(BVH4::emptyNode,empty,0);
       }
 
@@ -93,26 +93,26 @@ namespace embree
         std::vector<Surface> surfaces = findSurfaces();
         ((CompressedTree*)bvh)->hasGrids =
           std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
-        const std::vector<uint64_t> before = buildsUnderTree;
-        const bool keepsTree = !surfaces.empty() && buildsUnderTree == buildsOf(surfaces);
-        if (!keepsTree) clear();
+        const std::vector<uint64_t> before = buildsInTree;
+        const bool reusesTree = !surfaces.empty() && buildsInTree == buildsOf(surfaces);
+        if (!reusesTree) clear();
         if (surfaces.empty()) return;
         const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder"
           : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         buildBlocks(surfaces);
-        cbvh::BuildStatistics all;
+        cbvh::BuildStatistics total;
         std::set<const void*> counted;
         for (const Surface& surface : surfaces) {
-          add(surface,all);
+          add(surface,total);
           reportInvalid(surface,before);
-          if (surface.plan.compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
+          if (surface.plan.compresses()) total.sums.inputBytes += bytesOfInput(surface.geometry,counted);
         }
-        if (!keepsTree) {
+        if (!reusesTree) {
           treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
-          buildsUnderTree = buildsOf(surfaces);
+          buildsInTree = buildsOf(surfaces);
         }
-        all.sums.topLevelBytes += treeBytes;
-        report->statistics = all.sums;
+        total.sums.topLevelBytes += treeBytes;
+        report->statistics = total.sums;
         report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
         cbvh::updateSurfaceIDs(scene);
         reportCommit(surfaces);
@@ -185,14 +185,14 @@ namespace embree
         return caches;
       }
 
-      void add (const Surface& surface, cbvh::BuildStatistics& all)
+      void add (const Surface& surface, cbvh::BuildStatistics& total)
       {
         report->surfaces.push_back(surface.blocks);
-        all.add(surface.blocks->statistics);
+        total.add(surface.blocks->statistics);
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that were left out, unless the previous commit did. before: buildsUnderTree of that commit. */
+      /*! Reports faces that were left out, unless the previous commit did. before: buildsInTree of that commit. */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
@@ -275,8 +275,8 @@ namespace embree
           std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
                     << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel)
                     << " are traced by GRID" << std::endl;
-        if (total.refusedQuads)
-          std::cerr << geometry << total.refusedQuads
+        if (total.framelessQuads)
+          std::cerr << geometry << total.framelessQuads
                     << " quads of blocks without a good frame (lines, outliers) are stored in full precision"
                     << std::endl;
         if (total.sums.numFallbackQuads)

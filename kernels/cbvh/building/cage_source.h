@@ -147,9 +147,9 @@ namespace embree
       {
         forRanges(frameLevel.size(),perTask,[&](const range<size_t>& faces) {
             PatchEvaluator evaluator(mesh->device);
-            BlockStore nowhere(mesh->device,nullptr);
+            BlockStore discarded(mesh->device,nullptr);
             cbvh::BuildStatistics trialStatistics;
-            FramedWriter trial(plan,mesh,nowhere,trialStatistics);
+            FramedWriter trial(plan,mesh,discarded,trialStatistics);
             size_t quads = 0;
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {

@@ -34,7 +34,7 @@ namespace embree
       {
         if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.rejectionReason) notRequested++;
         else if (geometry->surface.rejectionReason && *geometry->surface.rejectionReason)
-          left[{ namesOf(geometry).primitives,geometry->surface.rejectionReason }] += geometry->size();
+          rejected[{ namesOf(geometry).primitives,geometry->surface.rejectionReason }] += geometry->size();
       }
 
       /*! treeBytes: size of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
@@ -58,9 +58,9 @@ namespace embree
         add(notRequested,notRequested == 1 ? " subdivision surface that does not ask for it"
           : " subdivision surfaces that do not ask for it");
         add(all.highRateQuads," quads with too high edge rates");
-        add(all.refusedInGrid," quads of blocks without a good frame");
+        add(all.framelessQuadsInGrid," quads of blocks without a good frame");
         add(sums.numUnsupportedFaces," faces that Embree does not support");
-        for (const auto& entry : left) add(entry.second," " + entry.first.first + " that " + entry.first.second);
+        for (const auto& entry : rejected) add(entry.second," " + entry.first.first + " that " + entry.first.second);
         return line.str();
       }
 
@@ -102,7 +102,7 @@ namespace embree
       std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
       cbvh::BuildStatistics all;                                         //!< sum over `compressed`
       /*! Number of uncompressed primitives, by type and reason. */
-      std::map<std::pair<std::string,std::string>,size_t> left;
+      std::map<std::pair<std::string,std::string>,size_t> rejected;
       size_t notRequested = 0;                                           //!< subdivision surfaces without a request
     };
   }

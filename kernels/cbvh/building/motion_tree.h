@@ -127,7 +127,7 @@ namespace embree
         }
 
         /*! Plane at any step at which the block exists. */
-        double anywhere () const
+        double anyPlane () const
         {
           unsigned i = 0;
           while (!exists(i)) i++;
@@ -174,7 +174,7 @@ namespace embree
                 const int i = count++ > 0;
                 positions[i] = position; planes[i] = plane;
               });
-            if (count == 0) planes[0] = knots.anywhere(); // no ray hits the block in this range
+            if (count == 0) planes[0] = knots.anyPlane(); // no ray hits the block in this range
             const double slope = count > 1 ? (planes[1]-planes[0])/(positions[1]-positions[0]) : 0.0;
             double outside = 0; // largest distance of a knot outside of the line
             knots.forEach([&](double position, double plane) {

@@ -75,12 +75,12 @@ namespace embree
           n += blocks[i].segments+1;
         }
         parallel_for(size_t(0),firsts.size(),[&](const range<size_t>& r) {
-            std::unique_ptr<Decoded> decoded(new Decoded);
+            std::unique_ptr<BoundsDecoder> boundsDecoder(new BoundsDecoder);
             for (size_t k=r.begin(); k!=r.end(); k++)
             {
               size_t at = firsts[k];
               for (size_t i=begin+64*k; i<min(begin+64*(k+1),blocks.size()); i++) {
-                decoded->bound(blocks[i].leaf,blocks[i].segments,found->data()+at);
+                boundsDecoder->bound(blocks[i].leaf,blocks[i].segments,found->data()+at);
                 at += blocks[i].segments+1;
               }
               progress();
@@ -98,7 +98,7 @@ namespace embree
       }
 
       /*! Decodes blocks to compute their boxes. Memory of one task, on the heap because it is large. */
-      class alignas(64) Decoded
+      class alignas(64) BoundsDecoder
       {
         ALIGNED_CLASS_(64);
 
@@ -145,11 +145,11 @@ namespace embree
           {
             const unsigned segment = min(s,segments-1);
             cbvh::MotionDecoder decoder(block);
-            shared.key = { block,segment,0 };
-            decoder.decode(segment,shared);
+            segmentBoxes.key = { block,segment,0 };
+            decoder.decode(segment,segmentBoxes);
             Bounds bounds[2];
-            for (uint32_t rest=shared.lanes; rest; rest&=rest-1) {
-              decoder.vertices(shared,uint32_t(bsf(rest)),group);
+            for (uint32_t rest=segmentBoxes.lanes; rest; rest&=rest-1) {
+              decoder.vertices(segmentBoxes,uint32_t(bsf(rest)),group);
               for (unsigned e=0; e<2; e++) bounds[e].extend(group.ends[e]);
             }
             for (unsigned e=0; e<2; e++)
@@ -191,7 +191,7 @@ namespace embree
           return box;
         }
 
-        cbvh::SegmentBoxes shared;
+        cbvh::SegmentBoxes segmentBoxes;
         cbvh::SegmentVertices group;
       };
 

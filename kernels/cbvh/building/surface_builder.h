@@ -47,7 +47,7 @@ namespace embree
     /*! Bytes of a small piece of memory, less than the blocks of most parts of a mesh need (irregular_blocks.h). */
     static const size_t smallPieceBytes = 2048;
 
-    /*! Builds the primitives of a source, and the loose primitives of a mesh, those that are in no grid. */
+    /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
     {
@@ -56,13 +56,13 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan must outlive this object. loose: irregular primitives, or null. */
+      /*! mesh and plan must outlive this object. irregular: blocks of primitives that are in no grid, or null. */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
-                 std::unique_ptr<IrregularBlocks> loose = nullptr)
-        : device(mesh->device), number(number), plan(plan), source(mesh,plan), loose(std::move(loose)),
-          ofGeometry(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
-          estimatedBlocks(source.estimateBlocks() + (this->loose ? this->loose->estimateBlocks() : 0)),
+                 std::unique_ptr<IrregularBlocks> irregular = nullptr)
+        : device(mesh->device), number(number), plan(plan), source(mesh,plan), irregular(std::move(irregular)),
+          progressPerPrimitive(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
+          estimatedBlocks(source.estimateBlocks() + (this->irregular ? this->irregular->estimateBlocks() : 0)),
           perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
@@ -71,7 +71,7 @@ namespace embree
       std::shared_ptr<const SurfaceBlocks> build (const Progress& progress) override
       {
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
-        const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
+        const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
         // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece. The remainder is
@@ -79,19 +79,19 @@ namespace embree
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
-        if (loose) loose->prepare(bordersOf(source,0),progress);
+        if (irregular) irregular->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);
         {
           BuildResults results;
           buildPrimitives(*blocks,results,progress);
           source.release();
-          if (loose) loose->release();
+          if (irregular) irregular->release();
           std::shared_ptr<mvector<cbvh::StepBox>> boxes = std::make_shared<mvector<cbvh::StepBox>>(device,0);
           results.collect(prims,*boxes);
           if (plan.moves()) blocks->boxes = boxes;
         }
         buildTree(*blocks,prims,progress);
-        blocks->memory.end();
+        blocks->memory.detachThreads();
         return blocks;
       }
 
@@ -100,7 +100,7 @@ namespace embree
       {
         forRanges(source.size(),perTask,
           [&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
-        if (loose) loose->build(blocks.memory,results,source.size(),progress);
+        if (irregular) irregular->build(blocks.memory,results,source.size(),progress);
         blocks.statistics = results.statistics;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
       }
@@ -132,7 +132,7 @@ namespace embree
           if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
           if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
           if (quads >= progressQuads || i+1 == primitives.end()) {
-            progress(ofGeometry*double(i+1-reported));
+            progress(progressPerPrimitive*double(i+1-reported));
             reported = i+1;
             quads = 0;
           }
@@ -212,14 +212,14 @@ namespace embree
       template<typename S>
       static const StoredBorders* bordersOf (const S&, long) { return nullptr; }
 
-      size_t irregularSize () const { return loose ? loose->numPrimitives() : 0; }
+      size_t irregularSize () const { return irregular ? irregular->numPrimitives() : 0; }
 
       Device* device;
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
       const CompressionPlan& plan;
       Source source;
-      const std::unique_ptr<IrregularBlocks> loose;
-      const double ofGeometry; //!< progress: the geometry's primitives per primitive of the source
+      const std::unique_ptr<IrregularBlocks> irregular;
+      const double progressPerPrimitive; //!< progress: the geometry's primitives per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
     };

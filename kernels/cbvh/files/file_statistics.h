@@ -23,7 +23,7 @@ namespace embree
       closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks); closure(s.sums.numSolidLeaves);
       closure(s.sums.numRawBlocks); closure(s.sums.numFallbackQuads); closure(s.sums.numFlippedQuads);
       closure(s.sums.numMeshQuads); closure(s.sums.numIrregularQuads); closure(s.sums.numMovingQuads);
-      closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid);
+      closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.framelessQuads); closure(s.framelessQuadsInGrid);
       closure(s.quadsForHoles); closure(s.bytesInEmbree);
     }
     /*! Same for floats, in the order of FileGeometry::measures. */

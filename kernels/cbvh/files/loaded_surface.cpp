@@ -23,22 +23,22 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. The mapping begins `before` bytes before the part if pages of the
-       *  machine are larger than the file's, as on ARM64. */
+      /*! Copy-on-write mapping of a part of a file. The mapping begins `offsetInPage` bytes before the part. This is 0
+       *  unless the machine's pages are larger than the file's, as on ARM64. */
       struct PrivatePages
       {
-        const size_t before;
+        const size_t offsetInPage;
         char* const data;
         const size_t bytes;
 
         PrivatePages (int file, uint64_t offset, size_t bytes)
-          : before(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
-            data((char*)::mmap(nullptr,before+bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,
-                               off_t(offset-before)) + before),
+          : offsetInPage(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
+            data((char*)::mmap(nullptr,offsetInPage+bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,
+                               off_t(offset-offsetInPage)) + offsetInPage),
             bytes(bytes) {
-          if (data-before == MAP_FAILED) throw std::bad_alloc();
+          if (data-offsetInPage == MAP_FAILED) throw std::bad_alloc();
         }
-        ~PrivatePages () { ::munmap(data-before,before+bytes); }
+        ~PrivatePages () { ::munmap(data-offsetInPage,offsetInPage+bytes); }
       };
 
       /*! Memory of a loaded surface. Blocks are in private pages, or in the mapping of the file if pages is null. */
@@ -159,7 +159,7 @@ namespace embree
         surface->root = isa::moveLargestNodes(root,size_t(reader.numNodes()),*surface->memory.pool());
         isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
       }
-      surface->memory.end();
+      surface->memory.detachThreads();
       invalidateThreadCaches(); // other blocks may have had these addresses
       return surface;
     }

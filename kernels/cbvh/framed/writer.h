@@ -81,7 +81,7 @@ namespace embree
           Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
           writeBlock(patch,e,(cbvh::Block*)((char*)encoded.data()+e.index*stride),ofPatch,hitBoundsOfPatch);
-          if (shares && (ofPatch.refusedQuads || fit.isClearlyPoor(quads,edges))) return false;
+          if (shares && (ofPatch.framelessQuads || fit.isClearlyPoor(quads,edges))) return false;
         }
         if (shares && fit.isPoor()) return false;
         if (kind != plan.kind()) statistics.quadsForHoles += quads;
@@ -188,12 +188,12 @@ namespace embree
         const bool refused = !fits || encoder.isDegenerate();
         const unsigned quads = 1u << e.height;
         if (refused && shares) {
-          ofPatch.refusedQuads += size_t(quads)*size_t(quads);
+          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
           return; // the patch becomes cVERT
         }
         if (refused && finite == count && !isStitched) {
-          ofPatch.refusedQuads += size_t(quads)*size_t(quads);
-          ofPatch.refusedInGrid += size_t(quads)*size_t(quads);
+          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
+          ofPatch.framelessQuadsInGrid += size_t(quads)*size_t(quads);
           grids.write(patch.embreePatch(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
           return;
         }
@@ -201,7 +201,7 @@ namespace embree
         if (refused && e.kind != cbvh::Kind::GRID) {
           /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
            * of cGRID are exact in any frame. */
-          ofPatch.refusedQuads += size_t(quads)*size_t(quads);
+          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
           Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
           const BBox3fa before = blocks[e.index];

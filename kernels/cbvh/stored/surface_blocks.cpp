@@ -140,7 +140,7 @@ namespace embree
       return piece.data;
     }
 
-    void BlockMemory::end () { if (allocator) allocator->cleanup(); }
+    void BlockMemory::detachThreads () { if (allocator) allocator->cleanup(); }
   }
 
   static std::atomic<uint64_t> numBuilds(0);

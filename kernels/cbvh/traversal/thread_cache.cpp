@@ -53,7 +53,7 @@ namespace embree
     __thread ThreadCache<Entries>* ThreadCache<Entries>::current = nullptr;
 
     template<typename Entries>
-    ThreadCache<Entries>& ThreadCache<Entries>::renew (unsigned now)
+    ThreadCache<Entries>& ThreadCache<Entries>::refresh (unsigned now)
     {
       // frees the thread's cache at the thread's end
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };

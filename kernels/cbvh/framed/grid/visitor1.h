@@ -17,11 +17,11 @@ namespace embree
       /*! Embree's epilogue for M triangles of a block, for closest hits or any hit. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
-        return Intersect1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
+        return Intersect1EpilogMU<M,true>(ray,context,geomIDOf(context,block->surface),block->primID);
       }
       template<int M>
       __forceinline Occluded1EpilogMU<M,true> gridEpilog (Ray& ray, IntersectContext* context, const Block* block) {
-        return Occluded1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
+        return Occluded1EpilogMU<M,true>(ray,context,geomIDOf(context,block->surface),block->primID);
       }
 
       template<typename RayType>

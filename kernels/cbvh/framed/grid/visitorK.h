@@ -18,12 +18,12 @@ namespace embree
       template<int M, int K>
       __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context,
                                                               const Block* block) {
-        return Intersect1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
+        return Intersect1KEpilogMU<M,K,true>(rays,k,context,geomIDOf(context,block->surface),block->primID);
       }
       template<int M, int K>
       __forceinline Occluded1KEpilogMU<M,K,true> gridEpilog (RayK<K>& rays, size_t k, IntersectContext* context,
                                                              const Block* block) {
-        return Occluded1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
+        return Occluded1KEpilogMU<M,K,true>(rays,k,context,geomIDOf(context,block->surface),block->primID);
       }
 
       template<int K, typename Rays>
