@@ -56,23 +56,23 @@ namespace embree
   {
     /*! Marks a geometry while its commit builds blocks. The build calls the application's displacement and progress
      *  functions. If they committed the same geometry, they would replace input that is being read. */
-    class Building
+    class BuildScope
     {
     public:
-      explicit Building (const Geometry* geometry) : geometry(geometry)
+      explicit BuildScope (const Geometry* geometry) : geometry(geometry)
       {
         Lock<MutexSys> lock(mutex());
         all().insert(geometry);
       }
-      ~Building ()
+      ~BuildScope ()
       {
         Lock<MutexSys> lock(mutex());
         all().erase(geometry);
       }
-      Building (const Building&) = delete;
-      Building& operator= (const Building&) = delete;
+      BuildScope (const BuildScope&) = delete;
+      BuildScope& operator= (const BuildScope&) = delete;
 
-      static void requireNone (const Geometry* geometry)
+      static void requireNotBuilding (const Geometry* geometry)
       {
         Lock<MutexSys> lock(mutex());
         if (all().count(geometry))
@@ -92,7 +92,7 @@ namespace embree
     };
 
     /*! True if geometries of a type that have no setting of their own inherit the compression of the device. */
-    bool takes (const CompressionSettings& device, Geometry::GType type)
+    bool inheritsCompression (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
       case Geometry::GTY_GRID_MESH: return device.compressesGrids;
@@ -105,8 +105,8 @@ namespace embree
     bool requestsCompression (const CompressibleGeometry* geometry)
     {
       const CompressionSettings& device = geometry->device->compression;
-      if (geometry->compression.compression == RTC_COMPRESSION_INHERIT && !takes(device,geometry->ownType))
-        return false;
+      if (geometry->compression.compression == RTC_COMPRESSION_INHERIT
+        && !inheritsCompression(device,geometry->ownType)) return false;
       return geometry->compression.resolve(device).compression != RTC_COMPRESSION_NONE;
     }
 
@@ -120,9 +120,9 @@ namespace embree
 
     /*! Returns true if the blocks must be rebuilt. hasInput: all input is set. missing: name of the input that the
      *  application must otherwise set. */
-    bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
+    bool discardOutdatedBlocks (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
-      Building::requireNone(geometry);
+      BuildScope::requireNotBuilding(geometry);
       SurfaceState& surface = geometry->surface;
       if (surface.isKept(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
@@ -158,7 +158,7 @@ namespace embree
     }
 
     /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need about 20 KiB for them. */
-    const size_t fewPrimitives = 256;
+    const size_t minPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
     void printCommitLine (const CompressibleGeometry* geometry, const std::string& what)
@@ -168,20 +168,21 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Decides that a geometry is compressed if it requests compression (asks) and rejectionReason is null. The reason
-     *  completes "not compressed: 12 quads that ..."; it is not printed if empty. primitives: their name, plural. */
-    void choose (CompressibleGeometry* geometry, bool asks, const char* rejectionReason, const char* primitives)
+    /*! Compresses a geometry if it requests compression and rejectionReason is null. The reason completes "not
+     *  compressed: 12 quads that ..."; it is not printed if empty. primitives: their name, plural. */
+    void setDecision (CompressibleGeometry* geometry, bool isRequested, const char* rejectionReason,
+                      const char* primitives)
     {
-      geometry->setCompressed(asks && !rejectionReason);
-      geometry->surface.rejectionReason = asks ? rejectionReason : nullptr;
-      if (asks && rejectionReason && *rejectionReason)
+      geometry->setCompressed(isRequested && !rejectionReason);
+      geometry->surface.rejectionReason = isRequested ? rejectionReason : nullptr;
+      if (isRequested && rejectionReason && *rejectionReason)
         printCommitLine(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that "
           + rejectionReason);
     }
 
     /*! Builds the blocks of a geometry that releases its input, which a later commit of a scene could not read. Returns
      *  true if it built them: the caller must then release the input. */
-    bool compressNow (CompressibleGeometry* geometry)
+    bool buildBlocksNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
       const bool isOfTree = geometry->isCompressed()
@@ -189,7 +190,7 @@ namespace embree
       if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !requestsCompression(geometry))
         return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
-      const Building scope(geometry);
+      const BuildScope scope(geometry);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
       return true;
@@ -198,14 +199,13 @@ namespace embree
 
   bool beginCommit (SubdivMesh* mesh)
   {
-    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,
-                                 "vertices, faces and indices");
-    if (!isChanged) return false;
-    const bool asks = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
-    if (asks) checkIndices(mesh);
+    const bool hasInput = mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices;
+    if (!discardOutdatedBlocks(mesh,hasInput,"vertices, faces and indices")) return false;
+    const bool isRequested = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
+    if (isRequested) checkIndices(mesh);
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
-    choose(mesh,asks && moves,
+    setDecision(mesh,isRequested && moves,
            isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because fallback_faces is 0",
            "faces");
     return true;
@@ -213,14 +213,13 @@ namespace embree
 
   bool beginCommit (GridMesh* mesh)
   {
-    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
-    if (!isChanged) return false;
-    const bool asks = requestsCompression(mesh);
-    if (asks) checkTimeSteps(mesh);
-    if (asks) checkStrides(mesh);
-    const char* const rejectionReason = !releasesInput(mesh) && asks && !areSmallerAsBlocks(mesh)
+    if (!discardOutdatedBlocks(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids")) return false;
+    const bool isRequested = requestsCompression(mesh);
+    if (isRequested) checkTimeSteps(mesh);
+    if (isRequested) checkStrides(mesh);
+    const char* const rejectionReason = !releasesInput(mesh) && isRequested && !areSmallerAsBlocks(mesh)
       ? "are so small that Embree's own kernel needs less memory for them" : nullptr;
-    choose(mesh,asks,rejectionReason,"grids");
+    setDecision(mesh,isRequested,rejectionReason,"grids");
     if (!mesh->isCompressed()) checkSides(mesh);
     return true;
   }
@@ -240,13 +239,13 @@ namespace embree
   template<typename Mesh>
   static bool beginCommitOfMesh (Mesh* mesh, bool hasInput, const char* primitives)
   {
-    if (!begin(mesh,hasInput,"vertices and indices")) return false;
-    const bool asks = requestsCompression(mesh);
-    if (asks && hasInput) checkTimeSteps(mesh);
+    if (!discardOutdatedBlocks(mesh,hasInput,"vertices and indices")) return false;
+    const bool isRequested = requestsCompression(mesh);
+    if (isRequested && hasInput) checkTimeSteps(mesh);
     const char* rejectionReason = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
-      : mesh->size() < fewPrimitives ? "are too few to matter" : nullptr;
-    if (asks && !rejectionReason)
+      : mesh->size() < minPrimitives ? "are too few to matter" : nullptr;
+    if (isRequested && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
       std::atomic_store(&mesh->surface.regions,regions);
@@ -254,7 +253,7 @@ namespace embree
         printCommitLine(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " "
                         + primitives + " are left out because an index is out of range");
     }
-    choose(mesh,asks,rejectionReason,primitives);
+    setDecision(mesh,isRequested,rejectionReason,primitives);
     return true;
   }
 
@@ -266,7 +265,7 @@ namespace embree
   void endCommit (SubdivMesh* mesh)
   {
     markUnsupportedFaces(mesh);
-    if (compressNow(mesh)) releaseInput(mesh);
+    if (buildBlocksNow(mesh)) releaseInput(mesh);
   }
 
   /*! For grids, quads and triangles. Releases the vertices, and the primitives unless rtcInterpolate needs them for
@@ -274,7 +273,7 @@ namespace embree
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
-    if (!compressNow(mesh)) return;
+    if (!buildBlocksNow(mesh)) return;
     for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
     mesh->vertices0 = BufferView<Vec3fa>();
     if (mesh->vertexAttribs.empty()) primitives = Primitives();

@@ -31,7 +31,7 @@ namespace embree
       return edge < topology.halfEdges.end() ? edge : nullptr;
     }
 
-    void require (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
+    void requireFace (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
     {
       const HalfEdge* const edge = firstEdge(mesh,topology,face);
       if (likely(edge && edge->patch_type != unsupportedPatch)) return;
@@ -88,7 +88,7 @@ namespace embree
 
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args) {
     const SubdivMesh::Topology& topology = topologyOf(mesh,args);
-    require(mesh,topology,args->primID);
+    requireFace(mesh,topology,args->primID);
     requireSubPatch(topology,args->primID,args->u,args->v);
   }
 
@@ -100,7 +100,7 @@ namespace embree
     for (unsigned i=0; i<args->N; i++)
     {
       if (valid && valid[i] != -1) continue;
-      if (args->primIDs[i] != checked) require(mesh,topology,args->primIDs[i]);
+      if (args->primIDs[i] != checked) requireFace(mesh,topology,args->primIDs[i]);
       checked = args->primIDs[i];
       requireSubPatch(topology,checked,args->u[i],args->v[i]);
     }

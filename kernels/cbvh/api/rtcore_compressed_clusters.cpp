@@ -41,8 +41,8 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
     core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
         if (!function) return true;
         const RTCCompressedPart part = asPublic(*cluster.part);
-        const RTCCompressedCluster handed = cbvh::clusterAs<RTCCompressedCluster>(cluster,part);
-        return function(userPtr,&handed);
+        const RTCCompressedCluster publicCluster = cbvh::clusterAs<RTCCompressedCluster>(cluster,part);
+        return function(userPtr,&publicCluster);
       },sums);
   }
   catch (...) { finish(); throw; } // reports the clusters before the error

@@ -43,8 +43,8 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
   require(geometry,"geometry");
   require((const void*)function,"function");
   core::forEachPart(geometry,time,[&](const cbvh::StoredPart& part) {
-      const RTCCompressedPart handed = asPublic(part);
-      return function(userPtr,&handed);
+      const RTCCompressedPart publicPart = asPublic(part);
+      return function(userPtr,&publicPart);
     });
   RTC_CATCH_END2(geometry);
 }

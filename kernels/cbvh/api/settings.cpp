@@ -70,7 +70,7 @@ namespace embree
   /*! Keys of the device string, with their values, that neither Embree nor this library knows. parse() collects them,
    *  verify() reports them, and parseEnvironment(), which a new device calls first, clears them. Per thread, because a
    *  device is created by one thread. */
-  static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
+  static thread_local std::vector<std::pair<std::string,std::string>> unknownKeys;
 
   /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
@@ -150,8 +150,8 @@ namespace embree
     if (key.compare(0,4,"cbvh") != 0)
     {
       if (isDeviceKey(key)) return false; // Embree parses it
-      strayKeys.push_back({ key,"" });
-      if (stream.trySymbol("=")) strayKeys.back().second = valueText(stream.get());
+      unknownKeys.push_back({ key,"" });
+      if (stream.trySymbol("=")) unknownKeys.back().second = valueText(stream.get());
       return true;
     }
     std::string value;
@@ -165,7 +165,7 @@ namespace embree
 
   void CompressionSettings::parseEnvironment ()
   {
-    strayKeys.clear();
+    unknownKeys.clear();
     for (const std::string& item : environmentItems())
     {
       const size_t equals = item.find('=');
@@ -194,7 +194,7 @@ namespace embree
 
   void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
   {
-    RTCCompression ofString;
+    RTCCompression ignored;
     if (!parseSubdivAccel(subdivAccel,compression)) {
       if (lowerCase(subdivAccel).compare(0,4,"cbvh") == 0)
         invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
@@ -202,10 +202,10 @@ namespace embree
         compression = RTC_COMPRESSION_NONE;
     }
     /* Embree ignores unknown keys. They are errors only if compression is requested. */
-    for (const auto& stray : strayKeys)
-      if (parseSubdivAccel(subdivAccel,ofString) || lowerCase(stray.second).compare(0,4,"cbvh") == 0)
-        invalid("the device string",stray.first,
-                "unknown key, did you mean " + nearestDeviceKey(stray.first) + "?");
+    for (const auto& entry : unknownKeys)
+      if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
+        invalid("the device string",entry.first,
+                "unknown key, did you mean " + nearestDeviceKey(entry.first) + "?");
 
     if (verbose)
       std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl

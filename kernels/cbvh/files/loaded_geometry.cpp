@@ -24,10 +24,10 @@ namespace embree
   LoadedGeometry::LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                                   const std::shared_ptr<const SurfaceBlocks>& blocks)
     : CompressibleGeometry(device,typeOf(record),record.numPrimitives,record.numTimeSteps),
-      ownTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
+      fileTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
   {
     setCompressed(true);
-    if (numTimeSteps > 1) time_range = ownTimes;
+    if (numTimeSteps > 1) time_range = fileTimes;
     compression.compression = cbvh::compressionOfLoaded(record.compression);
     surface.number = blocks->number;
     surface.blocks = blocks;
@@ -39,9 +39,9 @@ namespace embree
 
   void LoadedGeometry::commit ()
   {
-    if (numTimeSteps > 1 && (time_range.lower != ownTimes.lower || time_range.upper != ownTimes.upper))
+    if (numTimeSteps > 1 && (time_range.lower != fileTimes.lower || time_range.upper != fileTimes.upper))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the time range of a geometry that was loaded from a file cannot be "
-                     "changed: expected " + std::to_string(ownTimes.lower) + " to " + std::to_string(ownTimes.upper)
+                     "changed: expected " + std::to_string(fileTimes.lower) + " to " + std::to_string(fileTimes.upper)
                      + ", the time range in the file");
     Geometry::commit();
     surface.commit(modCounter_);

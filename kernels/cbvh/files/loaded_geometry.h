@@ -50,7 +50,7 @@ namespace embree
     /*! Throws the error of functions that need the input. */
     [[noreturn]] static void rejectAccess ();
 
-    const BBox1f ownTimes; //!< times of the first and last step; blocks store them, so they cannot be changed
+    const BBox1f fileTimes; //!< times of the first and last step; blocks store them, so they cannot be changed
   };
 
   /*! Throws if a geometry was loaded from a file. */

@@ -23,15 +23,15 @@ namespace embree
     {
       /*! Range of addresses. A copy of the members of MappedBlocks, because other threads may delete the MappedBlocks
        *  of geometries that the calling thread does not trace. */
-      struct Place
+      struct AddressRange
       {
         const char* begin;
         size_t bytes;
         const MappedBlocks* blocks;
 
-        bool holds (const void* block) const { return size_t((const char*)block-begin) < bytes; }
+        bool contains (const void* block) const { return size_t((const char*)block-begin) < bytes; }
       };
-      typedef std::vector<Place> List; //!< sorted by address
+      typedef std::vector<AddressRange> List; //!< sorted by address
 
     public:
       /*! If std::bad_alloc is thrown, nothing was changed. */
@@ -47,10 +47,10 @@ namespace embree
         isMappedBlockValid.store(isValid);
         hullBegin = std::min(hullBegin,size_t(blocks->begin));
         hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
-        changed();
+        publish();
       }
 
-      /*! If there is no memory for a new list, threads search all blocks until a list is made. */
+      /*! If there is no memory for a new list, threads search all blocks until the next change. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -58,77 +58,80 @@ namespace embree
         if (blocks->next) blocks->next->previous = blocks->previous;
         try { list = listOf(nullptr); }
         catch (const std::bad_alloc&) { list.reset(); }
-        changed();
+        publish();
       }
 
     private:
       /*! A thread's copy. Between two uses the list may be outdated, but it contains all geometries that the thread is
        *  tracing. */
-      struct Known
+      struct ThreadCopy
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< place of the last block
+        AddressRange last = { nullptr, 0, nullptr }; //!< range of the last block
       };
 
       static bool isValid (const void* block, BlockFormat format)
       {
-        const Known* const mine = known;
-        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block)))
-          return mine->last.blocks->isValid(block,format);
+        const ThreadCopy* const own = threadCopy;
+        if (likely(own && own->generation == generation.load(std::memory_order_acquire) && own->last.contains(block)))
+          return own->last.blocks->isValid(block,format);
         return find(block,format);
       }
 
       static bool find (const void* block, BlockFormat format)
       {
-        struct Owner { ~Owner () { delete known; known = nullptr; } };
-        if (!known) {
+        struct Owner { ~Owner () { delete threadCopy; threadCopy = nullptr; } };
+        if (!threadCopy) {
           static thread_local Owner owner; // frees the cache at the thread's end
           (void)owner;
-          known = new Known;
+          threadCopy = new ThreadCopy;
         }
-        if (known->generation != generation.load(std::memory_order_acquire)) {
+        if (threadCopy->generation != generation.load(std::memory_order_acquire)) {
           Lock<MutexSys> lock(mutex);
-          known->list = list;
-          known->generation = generation.load(std::memory_order_relaxed);
-          known->last = Place{ nullptr, 0, nullptr };
+          threadCopy->list = list;
+          threadCopy->generation = generation.load(std::memory_order_relaxed);
+          threadCopy->last = AddressRange{ nullptr, 0, nullptr };
         }
-        const Place place = known->list ? placeIn(*known->list,block) : placeOfRegistered(block);
-        if (!place.blocks) return true;
-        known->last = place;
-        return place.blocks->isValid(block,format);
+        const AddressRange range = threadCopy->list ? findIn(*threadCopy->list,block) : findRegistered(block);
+        if (!range.blocks) return true;
+        threadCopy->last = range;
+        return range.blocks->isValid(block,format);
       }
 
-      static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
+      static AddressRange rangeOf (const MappedBlocks* blocks) {
+        return AddressRange{ blocks->begin, blocks->bytes, blocks };
+      }
 
-      static Place placeIn (const List& list, const void* block)
+      static AddressRange findIn (const List& list, const void* block)
       {
         const auto next = std::upper_bound(list.begin(),list.end(),block,
-          [](const void* block, const Place& place) { return (const char*)block < place.begin; });
-        return next == list.begin() || !(next-1)->holds(block) ? Place{ nullptr, 0, nullptr } : *(next-1);
+          [](const void* block, const AddressRange& range) { return (const char*)block < range.begin; });
+        return next == list.begin() || !(next-1)->contains(block) ? AddressRange{ nullptr, 0, nullptr } : *(next-1);
       }
 
-      static Place placeOfRegistered (const void* block)
+      static AddressRange findRegistered (const void* block)
       {
         Lock<MutexSys> lock(mutex);
         for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next)
-          if (placeOf(blocks).holds(block)) return placeOf(blocks);
-        return Place{ nullptr, 0, nullptr };
+          if (rangeOf(blocks).contains(block)) return rangeOf(blocks);
+        return AddressRange{ nullptr, 0, nullptr };
       }
 
-      /*! Returns a new list of all registered MappedBlocks, and of `another` unless null. The mutex must be locked. */
-      static std::shared_ptr<const List> listOf (const MappedBlocks* another)
+      /*! Returns a new list of all registered MappedBlocks, and of `added` unless null. The mutex must be locked. */
+      static std::shared_ptr<const List> listOf (const MappedBlocks* added)
       {
-        const std::shared_ptr<List> made = std::make_shared<List>();
-        if (another) made->push_back(placeOf(another));
-        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) made->push_back(placeOf(blocks));
-        std::sort(made->begin(),made->end(),[](const Place& a, const Place& b) { return a.begin < b.begin; });
-        return made;
+        const std::shared_ptr<List> next = std::make_shared<List>();
+        if (added) next->push_back(rangeOf(added));
+        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) next->push_back(rangeOf(blocks));
+        std::sort(next->begin(),next->end(),
+          [](const AddressRange& a, const AddressRange& b) { return a.begin < b.begin; });
+        return next;
       }
 
       /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, so that it contains
        *  all blocks for readers that see a part of the change (base/mapped_blocks.h). */
-      static void changed ()
+      static void publish ()
       {
         if (!first) {
           mappedBytes.store(0);
@@ -148,7 +151,7 @@ namespace embree
       static std::shared_ptr<const List> list;  //!< null if there was no memory for it
       static size_t hullBegin, hullEnd;         //!< range of addresses; grows until no file is mapped
       static std::atomic<uint64_t> generation;  //!< incremented by each change
-      static __thread Known* known __attribute__((tls_model("initial-exec")));
+      static __thread ThreadCopy* threadCopy __attribute__((tls_model("initial-exec")));
     };
 
     MutexSys MappedBlockRegistry::mutex;
@@ -156,7 +159,7 @@ namespace embree
     std::shared_ptr<const MappedBlockRegistry::List> MappedBlockRegistry::list;
     size_t MappedBlockRegistry::hullBegin = ~size_t(0), MappedBlockRegistry::hullEnd = 0;
     std::atomic<uint64_t> MappedBlockRegistry::generation(0);
-    __thread MappedBlockRegistry::Known* MappedBlockRegistry::known = nullptr;
+    __thread MappedBlockRegistry::ThreadCopy* MappedBlockRegistry::threadCopy = nullptr;
 
     MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin,
                                 const FileGeometry& record, uint32_t number, const std::string& name)

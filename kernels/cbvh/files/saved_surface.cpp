@@ -26,10 +26,10 @@ namespace embree
     {
       /*! Converts a surface's tree, and lists its blocks, in one of the three forms of a file: a tree, a list of few
        *  blocks with bounds, or a list of moving blocks without bounds. */
-      class Layout
+      class TreeConverter
       {
       public:
-        Layout (const SurfaceBlocks& surface, bool moves, FileSurface& to) : to(to)
+        TreeConverter (const SurfaceBlocks& surface, bool moves, FileSurface& to) : to(to)
         {
           to.record.form = moves ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
           if (to.record.form == FILE_TREE) node(surface.root);
@@ -129,7 +129,7 @@ namespace embree
     {
       FileSurface surface;
       const bool moves = geometry->numTimeSteps != 1;
-      Layout(blocks,moves,surface);
+      TreeConverter(blocks,moves,surface);
       FileGeometry& record = surface.record;
       record.source = sourceOf(geometry);
       record.numPrimitives = geometry->numPrimitives;
