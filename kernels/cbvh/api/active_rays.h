@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* Used by rtcIntersect8/16 and rtcOccluded8/16 (kernels/upstream/patches/packet-masks.patch). Embree traces packets
- * that are wider than the vectors of the instruction set as ray streams. A stream has no mask: all of its rays with
- * tnear <= tfar are traced, including those that the application's mask excludes. */
+/* For rtcIntersect8/16 and rtcOccluded8/16 (kernels/upstream/patches/packet-masks.patch). Embree traces packets that
+ * are wider than the instruction set's vectors as ray streams, which have no mask. */
 
 #include "../embree/simd.h"
 
 namespace embree
 {
-  /*! Sets an empty range [tnear,tfar] for the inactive rays of a packet, so that they hit nothing. The destructor
-   *  restores their ranges. valid: the application's mask, -1 for active rays. */
+  /*! Gives the inactive rays of a packet an empty range [tnear,tfar], so that they hit nothing, until the destructor
+   *  restores it. valid: the application's mask, -1 for active rays. */
   template<typename Packet, int N>
   struct OnlyActiveRays
   {

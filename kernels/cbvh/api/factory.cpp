@@ -24,8 +24,7 @@ namespace embree
 
   namespace
   {
-    /*! Builders and intersectors, each compiled for the instruction set (ISA) that the device selects, like those of
-     *  Embree's BVH4Factory. */
+    /*! Builders and intersectors for the device's instruction set (ISA), as in Embree's BVH4Factory. */
     struct Symbols
     {
       DEFINE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
@@ -43,7 +42,7 @@ namespace embree
 
       Symbols (int features, int builderFeatures)
       {
-        /* Same ISA as upstream selects for GRID's builder, so that both compute bit-identical vertices. */
+        /* same ISA as for GRID's builder, so that both compute bit-identical vertices */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Creates the acceleration structures for the compressed surfaces of a scene. Embree's Device and Scene call these
- * functions (kernels/upstream/patches). building/builder.cpp fills the structures. */
+/* Creates the acceleration structures for a scene's compressed surfaces, which building/builder.cpp fills. Called by
+ * Embree's Device and Scene (kernels/upstream/patches). */
 
 #include "../embree/scene.h"
 #include "../stored/report.h"
@@ -17,19 +17,18 @@ namespace embree
    *  Ignores case. */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
-  /*! True if a scene that keeps its accelerators needs new ones: it got its first compressed surface, or lost its
-   *  last. */
+  /*! True if a scene needs new accelerators: it got its first compressed surface, or lost its last. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! True if an uncompressed subdivision surface of the scene has motion blur. */
   bool hasUncompressedMotion (Scene* scene);
 
-  /*! Reports the errors of the last build to the device, once. Call it on the committing thread: devices store errors
-   *  per thread, and any thread may have run the build. */
+  /*! Reports the errors of the last build to the device, once. Must be called on the committing thread, because devices
+   *  store errors per thread. */
   void reportBuildErrors (Scene* scene);
 
-  /*! Returns the structure for the static compressed geometries of a scene and for all its other static subdivision
-   *  surfaces. Returns null if none is compressed. The caller owns the result, which is not built yet. */
+  /*! Returns an unbuilt structure for the static compressed geometries and all other static subdivision surfaces of a
+   *  scene, or null if none is compressed. The caller owns the result. */
   Accel* createCompressedAccel (Scene* scene);
 
   /*! Same for the moving compressed geometries only. */

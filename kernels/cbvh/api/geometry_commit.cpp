@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The commit of a geometry that can be compressed. Embree's commit functions call beginCommit() before they read the
- * input, and endCommit() afterwards (state/compressible_geometry.h). beginCommit() checks buffers and decides whether
- * the geometry is compressed. The next commit of a scene builds the blocks (building/builder.cpp). If the geometry
- * releases its input, endCommit() builds them at once. */
+/* The commit of a geometry that can be compressed. Embree's commit functions call beginCommit(), which checks buffers
+ * and decides whether the geometry is compressed, before they read the input, and endCommit() afterwards
+ * (state/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp); if the geometry
+ * releases its input, endCommit() does. */
 
 #include "interpolation.h"
 #include "../base/environment.h"
@@ -30,8 +30,8 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Runs a closure like the commit of a scene. Denormals are zero (FTZ, DAZ), so that vertices do not depend on
-     *  which commit builds them. Canceling the application's tasks does not cancel the closure's. */
+    /*! Runs a closure like the commit of a scene: with denormals as zero, so that both build the same vertices, and not
+     *  canceled with the application's tasks. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -54,8 +54,8 @@ namespace embree
 
   namespace
   {
-    /*! Marks a geometry while its commit builds blocks. The build calls the application's displacement and progress
-     *  functions. If they committed the same geometry, they would replace input that is being read. */
+    /*! Marks a geometry while its commit builds blocks. The application's displacement and progress functions must not
+     *  commit it then, because that would replace input that is being read. */
     class BuildScope
     {
     public:
@@ -91,7 +91,7 @@ namespace embree
       const Geometry* const geometry;
     };
 
-    /*! True if geometries of a type that have no setting of their own inherit the compression of the device. */
+    /*! True if geometries of a type inherit the compression of the device. */
     bool inheritsCompression (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
@@ -118,8 +118,8 @@ namespace embree
       return geometry->compression.resolve(geometry->device->compression).releasesInput;
     }
 
-    /*! Returns true if the blocks must be rebuilt. hasInput: all input is set. missing: name of the input that the
-     *  application must otherwise set. */
+    /*! Discards the blocks if the geometry has changed, and returns true then. Throws if its input was released and is
+     *  not set again. missing: names of the input, for the message. */
     bool discardOutdatedBlocks (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       BuildScope::requireNotBuilding(geometry);
@@ -134,7 +134,7 @@ namespace embree
       return true;
     }
 
-    /*! True if blocks, without input, need no more memory than Embree's own grids. */
+    /*! True if blocks need no more memory than Embree's own grids. */
     bool areSmallerAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -180,8 +180,7 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Builds the blocks of a geometry that releases its input, which a later commit of a scene could not read. Returns
-     *  true if it built them: the caller must then release the input. */
+    /*! Builds the blocks if the geometry releases its input, and returns true: the caller must then release it. */
     bool buildBlocksNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
@@ -224,8 +223,8 @@ namespace embree
     return true;
   }
 
-  /*! Finds the grids of a mesh. Does not throw if memory runs out, because programs do not expect the commit of a
-   *  geometry to fail (base/unmonitored_memory.h). The next commit of the scene reports the error (partsOf). */
+  /*! Finds the grids of a mesh. If memory runs out, the next commit of the scene reports it (partsOf), because programs
+   *  do not expect the commit of a geometry to fail. */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
@@ -268,8 +267,7 @@ namespace embree
     if (buildBlocksNow(mesh)) releaseInput(mesh);
   }
 
-  /*! For grids, quads and triangles. Releases the vertices, and the primitives unless rtcInterpolate needs them for
-   *  vertex attributes. */
+  /*! Releases the vertices, and the primitives unless rtcInterpolate needs them for vertex attributes. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {

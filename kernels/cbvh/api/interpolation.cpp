@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Faces that Embree cannot evaluate cannot be interpolated either. The commit marks their first half-edge, because the
- * input may be released before the first interpolation. For a face with four corners, (u,v) outside of 0 to 1
- * extrapolates the surface. For other faces, (u,v) must select an existing sub-patch. */
+/* The commit marks the first half-edge of faces that Embree cannot evaluate, because the input may be released before
+ * the first interpolation. In a face with four corners, (u,v) outside of 0 to 1 extrapolates the surface. In other
+ * faces, (u,v) must select an existing sub-patch. */
 
 #include "interpolation.h"
 #include "../surface/patches.h"
@@ -14,8 +14,8 @@ namespace embree
   {
     const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< a value that Embree does not use
 
-    /*! Faces of other patch types are always supported: all vertices have at most 4 faces, which are quads, or Embree
-     *  does not read the rings of faces around them. */
+    /*! Other patch types are always supported: their vertices have at most 4 faces, all quads, or Embree does not read
+     *  the rings of faces around them. */
     bool mayBeUnsupported (HalfEdge::PatchType type) {
       return type == HalfEdge::COMPLEX_PATCH || type == HalfEdge::IRREGULAR_QUAD_PATCH;
     }
@@ -45,9 +45,8 @@ namespace embree
           + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
     }
 
-    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Embree selects sub-patch i + 4 j, of corner i
-     *  + 4 j, for u from 2 i to 2 i + 2 and v from 2 j to 2 j + 2. The surface is the middle of that range, from 2 i +
-     *  0.5 to 2 i + 1.5. */
+    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Embree selects the sub-patch of corner i + 4 j
+     *  for u from 2 i to 2 i + 2 and v from 2 j to 2 j + 2; the surface is from 2 i + 0.5 to 2 i + 1.5. */
     void requireSubPatch (const SubdivMesh::Topology& topology, unsigned face, float u, float v)
     {
       const HalfEdge* const edge = topology.getHalfEdge(face);

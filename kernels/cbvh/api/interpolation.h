@@ -9,12 +9,12 @@
 
 namespace embree
 {
-  /*! Marks the faces whose neighborhood exceeds the fixed-size arrays of Embree's patches (isUnsupportedAtVertex), in
-   *  each topology. Requires half-edges. */
+  /*! Marks the faces whose neighborhood exceeds the fixed-size arrays of Embree's patches, in each topology. Requires
+   *  half-edges. */
   void markUnsupportedFaces (SubdivMesh* mesh);
 
-  /*! Throw rtcore_error if a face does not exist, has no edges, or is marked, because Embree would access memory past
-   *  the end of its arrays. Also throw if (u,v) is in no sub-patch of the face. As thread-safe as rtcInterpolate. */
+  /*! Throw rtcore_error if a face does not exist, has no edges or is marked, or if (u,v) is in none of its sub-patches:
+   *  Embree would read past its arrays. As thread-safe as rtcInterpolate. */
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args);
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args);
 }

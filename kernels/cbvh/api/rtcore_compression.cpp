@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C functions of include/embree3/rtcore_compression.h: they check pointers, convert structs, and turn exceptions of
- * core/compression.h into errors of the device. */
+/* The C API of include/embree3/rtcore_compression.h: checks pointers, calls core/compression.h, and reports its
+ * exceptions to the device. */
 
 #define RTC_EXPORT_API
 

@@ -20,7 +20,7 @@
 
 namespace embree
 {
-  /*! Also prints and stores the message, because no device exists yet whose error function could receive it. */
+  /*! Prints and stores the message, because no device exists yet that could report it, and throws. */
   static void invalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
@@ -67,9 +67,8 @@ namespace embree
     return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
   }
 
-  /*! Keys of the device string, with their values, that neither Embree nor this library knows. parse() collects them,
-   *  verify() reports them, and parseEnvironment(), which a new device calls first, clears them. Per thread, because a
-   *  device is created by one thread. */
+  /*! Keys and values of the device string that neither Embree nor this library knows. A new device calls
+   *  parseEnvironment(), which clears them, then parse(), which collects them, and verify(), which reports them. */
   static thread_local std::vector<std::pair<std::string,std::string>> unknownKeys;
 
   /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
@@ -128,7 +127,7 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! Returns a token of Embree's lexer as text. Tokens throw if they are read as another type than their own. */
+  /*! Returns a token of Embree's lexer as text. Tokens throw if read as another type than their own. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}

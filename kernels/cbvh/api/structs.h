@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The public structs of include/embree3 that may grow (core/struct_size.h), and their conversion from internal structs.
- * For the files rtcore_*.cpp of this folder. */
+/* Public structs of include/embree3: those that may grow (core/struct_size.h), and conversion from internal ones. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
@@ -18,7 +17,7 @@ namespace embree
 {
   namespace core
   {
-    /* The second argument never changes: the last member in the first version that has the struct. */
+    /* The member never changes: it is the last one of the struct's first version. */
     CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
     CBVH_GROWING_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_GROWING_STRUCT(RTCCompressedFileGeometryInfo,bytes);
