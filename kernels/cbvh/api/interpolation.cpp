@@ -45,8 +45,8 @@ namespace embree
           + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
     }
 
-    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Embree selects the sub-patch of corner i + 4 j
-     *  for u from 2 i to 2 i + 2 and v from 2 j to 2 j + 2; the surface is from 2 i + 0.5 to 2 i + 1.5. */
+    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Embree selects the sub-patch of corner i + 4
+     *  j for u from 2 i to 2 i + 2 and v from 2 j to 2 j + 2; the surface is from 2 i + 0.5 to 2 i + 1.5. */
     void requireSubPatch (const SubdivMesh::Topology& topology, unsigned face, float u, float v)
     {
       const HalfEdge* const edge = topology.getHalfEdge(face);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Like std::atomic_ref of C++20, for tables of plain integers that several threads fill. While one thread accesses an
- * object through an AtomicRef, no other thread may access it directly. */
+/* std::atomic_ref of C++20, for tables of plain integers that several threads fill. While a thread accesses an object
+ * through an AtomicRef, no other thread may access it directly. */
 
 #include <atomic>
 
@@ -22,8 +22,8 @@ namespace embree
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
-      /*! Compare-and-swap: stores `value` if the object is equal to `expected`. Otherwise returns false and sets
-       *  `expected` to the current value. May also fail spuriously, so callers loop. */
+      /*! Compare-and-swap: stores `value` if the object equals `expected`. Otherwise returns false and sets `expected`
+       *  to the current value. May fail spuriously, so callers loop. */
       bool exchangeWeak (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
       }

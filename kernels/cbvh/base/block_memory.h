@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Memory of a surface's blocks and of the tree nodes above them. It grows during the build, from all threads of the
- * build. The destructor frees all of it; single blocks are never freed. */
+/* Memory of a surface's blocks and of the tree nodes above them, which all threads of a build allocate. The destructor
+ * frees all of it; single blocks are never freed. */
 
 #include "../embree/scene.h"
 
@@ -20,15 +20,14 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called before any allocation. bytes: estimated size of a large surface, or 0 for a small one. A large
-       *  surface uses Embree's allocator, whose chunks tasks use concurrently. For a small one each piece is allocated
-       *  separately, because a scene may have many small surfaces, and chunks would stay mostly empty. */
+      /*! Must be called before any allocation. bytes: estimated size of a large surface, which uses Embree's allocator,
+       *  or 0 for a small one, whose pieces are allocated separately: its chunks would stay mostly empty. */
       void reserve (size_t bytes);
 
       /*! Embree's allocator, for builders that require it. Null after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
-      /*! Allocates with the alignment of blocks; the second argument, an alignment, is ignored. Has the signature of
+      /*! Allocates with the alignment of blocks. The second argument, an alignment, only makes the signature that of
        *  Embree's allocators. Thread-safe. Throws if out of memory, or if the application's memory monitor refuses. */
       void* operator() (size_t bytes, size_t = 0);
 

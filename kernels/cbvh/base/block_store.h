@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Collects the blocks of one task of a build in a buffer. flush() copies them to the memory of the surface, and lists a
- * primitive for each: a box with a reference, from which the top-level tree is built. For one thread. */
+/* Buffers the blocks of one task of a build. flush() copies them to the memory of the surface and lists a primitive for
+ * each: a box with a reference, from which the top-level tree is built. For one thread. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -34,39 +34,37 @@ namespace embree
     public:
       cbvh::WorldBounds hitBounds;  //!< bounds of everything that rays can hit
 
-      /*! memory: memory of the surface. Null for a trial whose blocks are discarded; flush() must not be called
-       *  then. */
+      /*! memory: memory of the surface, or null for a trial, after which flush() must not be called. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! Returns space for the next block, of up to maxBytes. Valid until the next call of reserve(), add() or flush().
-       *  The block is discarded unless commit() follows. */
+      /*! Returns space for the next block, valid until reserve(), add() or flush() is called. The block is discarded
+       *  unless commit() follows. */
       uint8_t* reserve (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
         return bytes.data()+used;
       }
 
-      /*! Keeps the block of `size` bytes that was written to the space of the last reserve(). type: see
-       *  primitive_type.h. readPast: bytes after the block that decoders may read. */
+      /*! Adds the block that was written to the space of the last reserve(). type: a PrimitiveType. readPast: bytes
+       *  after the block that decoders may read. */
       void commit (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
       {
         pending.push_back(PendingBlock{ used,bounds,type,readPast });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
-      /*! Copies a block to the buffer. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(reserve(size),block,size);
         commit(size,bounds,type);
       }
 
-      /*! Writers call it after each patch. flush() must be called after the last one. */
+      /*! For writers after each patch. flush() must be called after the last one. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
-      /*! Copies the buffered blocks to the memory of the surface and creates their primitives. A piece of memory
-       *  contains many blocks, because the allocator rounds up the size of each piece. */
+      /*! Copies the buffered blocks and creates their primitives. A piece of memory contains many blocks, because the
+       *  allocator rounds up the size of each piece. */
       void flush ()
       {
         for (size_t i=0, next; i<pending.size(); i=next)
@@ -94,9 +92,8 @@ namespace embree
       static const size_t flushThresholdBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
 
     private:
-      /*! A piece is one allocation of flush(). It has fewer bytes than this, not counting its last block. Embree's
-       *  allocator cuts pieces from chunks of up to 2 MiB: larger pieces would leave much of a chunk unused, or not
-       *  fit. */
+      /*! Bound on an allocation of flush(), not counting its last block. Larger ones would leave much of a chunk of
+       *  Embree's allocator unused, which has up to 2 MiB, or not fit. */
       static const size_t maxPieceBytes = 1 << 20;
 
       struct PendingBlock

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics that a task of a build collects. BuildResults (building/build_results.h) merges the tasks of a surface. */
+/* Statistics that a task of a build collects. BuildResults merges the tasks of a surface. */
 
 #include "codec.h"
 #include "surface_statistics.h"
@@ -29,7 +29,7 @@ namespace embree
         firstUnsupportedFace = std::min(firstUnsupportedFace,face);
       }
 
-      /*! own: vertex as its face evaluates it. stored: decoded vertex. */
+      /*! own: vertex as its face evaluates it. stored: the decoded vertex. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
       void addDeviation (double squaredDistance) {
@@ -43,8 +43,8 @@ namespace embree
         maxSquaredMismatch = std::max(maxSquaredMismatch,distance2(own,shared));
       }
 
-      /*! Adds the statistics of another task of the same surface, and updates sums.maxVertexDeviation and
-       *  sums.maxBorderMismatch, which tasks leave at 0. */
+      /*! Adds the statistics of another task of the surface. Sets sums.maxVertexDeviation and sums.maxBorderMismatch,
+       *  which are 0 in tasks. */
       void merge (const BuildStatistics& other)
       {
         add(other);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Makes the names of kernels/cvert visible in embree::cbvh. Inline code is also compiled once per ISA, in namespace
- * CBVH_ISA. CBVH_BEGIN and CBVH_END are for headers compiled as C++ and GLSL (cvert/basics/language.h). */
+/* Makes the names of kernels/cvert visible in embree::cbvh. CBVH_ISA is the namespace of inline code, which is compiled
+ * once per ISA. CBVH_BEGIN and CBVH_END enclose headers that are C++ and GLSL (cvert/basics/language.h). */
 
 #ifndef CBVH_CODEC_H
 #define CBVH_CODEC_H

@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Returns the items of EMBREE_CBVH without surrounding blanks. Skips empty items. */
+  /*! Returns the items without surrounding blanks, except for empty ones. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;

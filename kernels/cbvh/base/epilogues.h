@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Reports hits through Embree's epilogues, the functors that apply masks and filter functions and then store a hit.
- * Compressed surfaces thus support them like all other geometries. Used by the intersectors of blocks (vert,
- * framed). */
+/* Reports hits through Embree's epilogues, which apply masks and filter functions and store the hit. For the
+ * intersectors of blocks. */
 
 #include "../embree/traversal.h"
 
@@ -15,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit in the form that Embree's epilogues of single rays require. Ng: need not be normalized. */
+      /*! A hit as Embree's epilogues of single rays require it. Ng need not be normalized. */
       struct SurfaceHit1
       {
         float u, v, t;
@@ -23,12 +22,12 @@ namespace embree
         __forceinline void finalize () {}
       };
 
-      /*! Geometry ID of a surface number in the scene of the query, see surface_ids.h. */
+      /*! Returns the ID of a surface (surface_ids.h) in the scene of the query. */
       __forceinline uint32_t geomIDOf (const IntersectContext* context, uint32_t surface) {
         return context->scene->surfaceIDs[surface];
       }
 
-      /*! Reports a hit of a single ray. surface: surface number. Returns false if the mask or a filter rejected it. */
+      /*! Reports a hit of a single ray. Returns false if the mask or a filter rejected it. */
       __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
                                  SurfaceHit1& hit) {
         return Intersect1Epilog1<true>(ray,context,geomIDOf(context,surface),primID)(hit);
@@ -38,7 +37,7 @@ namespace embree
         return Occluded1Epilog1<true>(ray,context,geomIDOf(context,surface),primID)(hit);
       }
 
-      /*! Reports a hit of ray k of a packet. Returns false if the mask or a filter rejected it. */
+      /*! Same for ray k of a packet. */
       template<int K>
       __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
                                  uint32_t primID, SurfaceHit1& hit) {
@@ -50,8 +49,8 @@ namespace embree
         return Occluded1KEpilog1<K,true>(rays,k,context,geomIDOf(context,surface),primID)(hit);
       }
 
-      /*! Reports one hit for each of the rays `lanes`. Returns the rays whose hit was accepted. hit: functor with the
-       *  signature that Embree's epilogues of packets require; computes u, v, t and Ng. */
+      /*! Reports one hit for each ray of the mask `lanes`. Returns the rays whose hit was accepted. hit: functor that
+       *  computes u, v, t and Ng, with the signature that Embree's epilogues of packets require. */
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
@@ -60,7 +59,7 @@ namespace embree
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
-        vbool<K> remaining = lanes; // Embree removes rays that hit; callers use the returned rays instead
+        vbool<K> remaining = lanes; // Embree removes rays that hit
         return OccludedKEpilogMU<1,K,true>(remaining,rays,context,geomIDOf(context,surface),primID)(lanes,hit);
       }
 
@@ -69,8 +68,7 @@ namespace embree
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! Returns false if callers need not compute u, v and Ng of a hit, because nothing reads them: an any-hit query
-       *  passes them to filter functions only. */
+      /*! False if nothing reads u, v and Ng of a hit: any-hit queries pass them to filter functions only. */
       template<typename Rays>
       __forceinline bool needsHitData (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>

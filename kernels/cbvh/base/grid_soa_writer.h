@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Writes patches that are not compressed as GridSOA, the vertex grids of Embree's GRID, into the same tree as
- * blocks. */
+/* Writes uncompressed patches as GridSOA, the vertex grids of Embree's GRID, into the tree of the blocks. */
 
 #include "../embree/scene.h"
 #include "block_store.h"
@@ -58,7 +57,7 @@ namespace embree
       }
 
     private:
-      /*! Computes the size of each of the 64 sizes of grids once. Threads may compute the same entry. */
+      /*! Computes each of the 64 sizes once. Threads may compute the same entry. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
         static std::atomic<uint32_t> cached[gridQuads+1][gridQuads+1];

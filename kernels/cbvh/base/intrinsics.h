@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Operations that Embree's vectors lack, and macros that report which intrinsics are available. For decoders and
- * intersectors of blocks. Embree maps the intrinsics of SSE4.1 to NEON (common/simd/arm). */
+/* Operations that Embree's vectors lack, and macros for available intrinsics. Embree maps the intrinsics of SSE4.1 to
+ * NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 
@@ -27,7 +27,7 @@ __forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
 
 namespace embree
 {
-  /*! Shifts a left by one lane and inserts lane i of b last. On NEON, GCC would compile two-vector shuffles to table
+  /*! Shifts a left by one lane and inserts lane i of b last. GCC would compile NEON's shuffles of two vectors to table
    *  lookups. */
   template<int i>
   __forceinline __m128 shiftAndInsert (__m128 a, __m128 b)
@@ -39,7 +39,7 @@ namespace embree
 #endif
   }
 
-  /*! Converts masks of lanes to bits: bit Mask::size*j + i of the result is lane i of masks[j]. */
+  /*! Bit Mask::size*j + i of the result is lane i of masks[j]. */
   template<typename Mask, int n>
   __forceinline uint32_t lanesOf (const Mask (&masks)[n])
   {
@@ -49,7 +49,7 @@ namespace embree
   }
 
 #if !defined(__AVX__)
-  /*! As above. Packs the masks first, because NEON collects bits by several instructions per vector. */
+  /*! Same. Packs the masks first, because NEON needs several instructions to collect the bits of a vector. */
   __forceinline uint32_t lanesOf (const vboolf4 (&masks)[4])
   {
 #if defined(__ARM_NEON)

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), and cVERT.
- * A kind's number is stored in headers of blocks with frames (framed/block.h), and determines references (reference.h)
- * and values of RTCCompression. Compiled as C++ and GLSL.
+ * Blocks with frames store the number of their kind (framed/block.h), which also determines references (reference.h)
+ * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
  * To remove a kind, remove its number, its rows here, its folder, and its rows in code that selects by kind:
- * block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. Other numbers must not change:
- * blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches with holes as cLEAF if
- * their kind does not support holes. */
+ * block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. framed/writer.h stores blocks
+ * without a valid frame as cGRID, and patches with holes as cLEAF if their kind does not support holes. */
 
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
@@ -23,10 +22,10 @@ CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
 
-/*! Kinds must be less than this, because references store them. */
+/*! Bound of kinds, which references store. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
 
-/*! Kinds with frames must be less than this: headers have 4 bits for them. */
+/*! Bound of kinds with frames: headers have 4 bits for them. */
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
 /*! Bit mask of the kinds with frames. */
@@ -97,7 +96,7 @@ static_assert(RTC_COMPRESSION_CLEAF - RTC_COMPRESSION_CGRID == kindLeaf,
 static_assert(RTC_COMPRESSION_CVERT - RTC_COMPRESSION_CGRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
-/*! The kind must be in kindDescriptions. */
+/*! Requires a kind of kindDescriptions. */
 inline const KindDescription& describe (Kind kind)
 {
   uint32_t row = 0;
@@ -105,7 +104,7 @@ inline const KindDescription& describe (Kind kind)
   return kindDescriptions[row];
 }
 
-/*! compression: a value of RTCCompression. Returns false if this library has no such kind. */
+/*! Finds the kind of an RTCCompression. Returns false if this library does not have it. */
 inline bool findKind (int compression, Kind& kind)
 {
   for (const KindDescription& description : kindDescriptions)
@@ -113,8 +112,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Such a library
- *  loads only geometries whose blocks are all cVERT, as fallback faces are. */
+/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind: all blocks
+ *  that such a library loads are cVERT, as fallback faces are. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because checking them on
- * opening would read the whole file. Code that reads more than a block's header must call isUsable first. */
+/* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because opening would
+ * otherwise read the whole file. Code that reads more than a block's header must call isUsable first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"
@@ -15,24 +15,22 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains all mapped blocks, possibly with other memory between them. mappedBytes is 0 if
-     *  no file is mapped. Read mappedBegin before mappedBytes. To change the range, a writer first extends it to all
-     *  addresses: a reader that sees values of two ranges therefore misses no block that it can trace. */
+    /*! Range of addresses that contains all mapped blocks, and possibly other memory; mappedBytes is 0 without a file.
+     *  Read mappedBegin before mappedBytes. Writers first extend the range to all addresses: a reader that sees values
+     *  of two ranges therefore misses no block that it can trace. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! Checks a block if its address belongs to a mapped file. Only isUsable calls it, for addresses in the range. Null
-     *  until a file is mapped. */
+    /*! Checks a block if it belongs to a mapped file. For addresses in the range only; null until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, BlockFormat format)> isMappedBlockValid;
 
-    /*! True if a block may be decoded. Otherwise callers must treat it as a block without quads or triangles. The
-     *  device receives one error per geometry. */
+    /*! True if a block may be decoded. Otherwise callers must treat it as empty; the device receives one error per
+     *  geometry. */
     __forceinline bool isUsable (const void* block, BlockFormat format)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
-      /* Relaxed: while another thread maps the first file, this thread may see a range that contains `block`, but no
-       * function yet. `block` is then not mapped, because rays reach mapped blocks only after the commit of their
-       * scene. */
+      /* Relaxed: while another thread maps the first file, this thread may see the range but no function yet. `block`
+       * is then not mapped, because rays reach mapped blocks only after the commit of their scene. */
       bool (*const isValid) (const void*, BlockFormat) = isMappedBlockValid.load(std::memory_order_relaxed);
       return !isValid || isValid(block,format);
     }

@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Layout of a block's bytes. Outside of CBVH_ISA, because code of all ISAs shares it. */
+    /*! Format of a block's bytes. Outside of CBVH_ISA, because all ISAs share it. */
     enum BlockFormat : uint32_t { FRAMED_FORMAT, VERT_FORMAT, MESH_FORMAT };
   }
 

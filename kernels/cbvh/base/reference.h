@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* References to children of flat nodes (flat/flat_scene.h), for traversal on a GPU: 5 bits of type, 27 bits of index.
- * Compiled as C++ and GLSL. Blocks have at least 64 bytes, so indices support at least 8 GiB of blocks. */
+/* References to children of flat nodes (flat/flat_scene.h), for GPUs: 5 bits of type, 27 bits of index. Blocks have at
+ * least 64 bytes, so indices support 8 GiB of blocks. Compiled as C++ and GLSL. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H
@@ -24,7 +24,7 @@ CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds;
 CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< cVERT mesh block
 CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 
-/*! Unused child. No other reference has its type. */
+/*! Unused child. */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
 CBVH_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }

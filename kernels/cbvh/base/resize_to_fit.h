@@ -9,7 +9,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Resizes an empty vector without unused capacity. Embree's vectors otherwise grow to powers of two. */
+    /*! Resizes an empty vector without unused capacity; Embree's vectors grow to powers of two. */
     template<typename Vector>
     void resizeToFit (Vector& vector, size_t size)
     {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Surface numbers. Scenes share the blocks of a geometry, but a geometry may have a different ID in each scene. Blocks
- * therefore store a number that is unique in the process, and each scene maps numbers to the IDs of its geometries. An
- * intersector looks up the ID when it reports a hit (epilogues.h).
+/* Surface numbers. Scenes share the blocks of a geometry, which may have a different ID in each scene. Blocks therefore
+ * store a number that is unique in the process, and each scene maps numbers to its IDs when a hit is reported
+ * (epilogues.h).
  *
  * If Embree traces the static surfaces of a scene, their grids store IDs instead of numbers. Numbers of moving surfaces
  * have an additional bit, movingSurface, which no ID has. */
@@ -25,8 +25,8 @@ namespace embree
     class SurfaceNumber
     {
     public:
-      /*! fileNumber: number that the blocks of a file contain. Allocates this number if it is free, because the blocks
-       *  need not be changed then, otherwise the lowest free number. Thread-safe. */
+      /*! Allocates the lowest free number, or fileNumber if it is free, so that the blocks of a file need not be
+       *  changed. Thread-safe. */
       explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;
@@ -38,7 +38,7 @@ namespace embree
       uint32_t value;
     };
 
-    /*! Maps surface numbers to the geometry IDs of a scene. A hash table, because each hit looks up an ID. */
+    /*! Maps surface numbers to the geometry IDs of a scene. */
     class SurfaceIDs
     {
     public:
@@ -57,7 +57,7 @@ namespace embree
         }
       }
 
-      /*! Returns `number` itself if the table does not contain it: it then already is an ID. */
+      /*! Returns a number that the table does not contain unchanged: it is an ID. */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;

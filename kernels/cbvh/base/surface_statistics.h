@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of built surfaces. Outside of CBVH_ISA, because code of all instruction sets (ISAs) shares them. */
+/* Statistics of built surfaces. Outside of CBVH_ISA, because all ISAs share them. */
 
 #include <algorithm>
 #include <cstddef>
@@ -82,7 +82,7 @@ namespace embree
           [](float& most, float value) { most = std::max(most,value); });
     }
 
-    /*! Statistics of one surface. Members other than sums are for messages, and for the line about a commit. */
+    /*! Statistics of one surface. Members other than sums are for messages. */
     struct SurfaceStatistics
     {
       CompressionStatistics sums;

@@ -11,7 +11,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Quads between two progress reports of a task: few enough to cancel quickly, and so many that the reports cost no
+    /*! Quads between two progress reports of a task: few enough to cancel quickly, and enough that reports cost no
      *  measurable time. */
     static const size_t progressQuads = 1 << 15;
 

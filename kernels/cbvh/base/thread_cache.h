@@ -3,11 +3,9 @@
 
 #pragma once
 
-/* Per-thread cache of decoded blocks. Consecutive rays mostly reach the same blocks, and decoding is most of a ray's
- * cost.
- *
- * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by block address. A new block may have the address of a
- * released block, so each build invalidates all caches at its end. */
+/* Per-thread cache of decoded blocks, because consecutive rays mostly reach the same blocks, and decoding is most of a
+ * ray's cost. Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by block address. A new block may have the
+ * address of a released one, so each build invalidates all caches at its end. */
 
 #include "../embree/simd.h"
 #include <atomic>
@@ -17,26 +15,23 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Bits of a mask, one per type of cache. A mesh block is a block of indexed triangles
-     *  (cvert/format/mesh_block.h). */
+    /*! Bits of a mask, one per type of cache. */
     enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
     /*! Returns the size of one thread's caches. caches: mask of ThreadCaches. */
     size_t threadCacheBytes (unsigned caches);
 
-    /*! Call it after blocks are built and before they are traced. Each thread clears its caches when it next uses
-     *  them. */
+    /*! Must be called after blocks are built and before they are traced. Threads clear their caches at the next use. */
     void invalidateThreadCaches ();
 
     extern std::atomic<unsigned> cacheGeneration; //!< incremented by invalidateThreadCaches()
 
-    /*! Callers must reduce the result to the number of entries. 0x9E3779B1 is 2^32 divided by the golden ratio, the
-     *  usual multiplier of multiplicative hashing (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
+    /*! Callers must reduce the result to the number of entries. Multiplicative hashing by 2^32 divided by the golden
+     *  ratio (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! Like hashOfBlock, but consecutive `bytes` bytes of memory have consecutive values, so that neighboring blocks
-     *  never share an entry. Each range of 256 KiB is shifted by a hash; otherwise blocks at equal distances would
-     *  share a few entries. */
+    /*! Like hashOfBlock, but consecutive `bytes` bytes have consecutive values, so that neighboring blocks never share
+     *  an entry. A hash shifts each range of 256 KiB: blocks at equal distances would share few entries. */
     __forceinline size_t slotOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
@@ -45,8 +40,8 @@ namespace embree
      *  evict the scene. */
     extern const size_t largeCaches;
 
-    /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries are never touched, and
-     *  occupy no memory. numExtra: entries after the last slot, for users that access several entries per slot. */
+    /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries occupy no memory.
+     *  numExtra: entries after the last slot, for users that access several entries per slot. */
     template<typename Entry, size_t count, size_t numExtra = 0>
     struct CacheEntries
     {

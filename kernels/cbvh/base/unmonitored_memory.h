@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Memory that the commit of a geometry allocates. Allocating it does not call the application's memory monitor
+/* Memory that the commit of a geometry allocates without calling the application's memory monitor
  * (rtcSetDeviceMemoryMonitorFunction), which could refuse it: programs do not expect the commit of a geometry to fail.
- * The commit of the scene reports this memory instead (ReportedMemory), and fails if the application refuses it. */
+ * The commit of the scene reports the memory (ReportedMemory), and fails if the application refuses it. */
 
 #include "../embree/scene.h"
 
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! A monitor that ignores reports and refuses nothing. Thread-safe. */
+    /*! A monitor that refuses nothing. Thread-safe. */
     inline MemoryMonitorInterface* silentMonitor ()
     {
       struct None : public MemoryMonitorInterface
@@ -31,9 +31,9 @@ namespace embree
       UnmonitoredVector () : mvector<T>(silentMonitor(),0) {}
     };
 
-    /*! The constructor reports memory to a device's monitor, the destructor reports its release. The constructor throws
-     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It passes post = false, because no release follows a
-     *  refusal: with post = true (already allocated), the application would continue to count the memory. */
+    /*! The constructor reports memory to a device's monitor, the destructor its release. The constructor throws
+     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It passes post = false: with post = true (already
+     *  allocated), the application would continue to count refused memory, which is never released. */
     class ReportedMemory
     {
     public:

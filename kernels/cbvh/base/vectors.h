@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Sums of products
- * are fused exactly as written, where compilers could otherwise fuse differently in different places. */
+/* cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Products are
+ * fused exactly where the code says so, because compilers could fuse differently in different places. */
 
 #include "codec.h"
 #include "../../cvert/rule/reciprocal.h"
@@ -20,7 +20,7 @@ namespace embree
   template<int N>
   __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a,
                                        const vfloat_impl<N>& b) { return select(condition,a,b); }
-  /*! a b, rounded: the empty assembly prevents the compiler from fusing the product with a later sum. */
+  /*! a b, rounded: the empty assembly prevents fusing with a later sum. */
   template<int N> __forceinline vfloat_impl<N> product (const vfloat_impl<N>& a, const vfloat_impl<N>& b)
   {
     vfloat_impl<N> p = a*b;
@@ -38,7 +38,6 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Lanes of the widest vectors of floats that the instruction set has. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)
@@ -50,8 +49,8 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! Reciprocals of a ray's direction, as cvert's directionReciprocal. If all components are between 1e-9 and 1e9,
-       *  they need no clamping, and only the division remains. The fourth lane is ignored. */
+      /*! cvert's directionReciprocal of three components; ignores the fourth lane. Components between 1e-9 and 1e9 need
+       *  no clamping. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
@@ -59,7 +58,7 @@ namespace embree
         return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
       }
 
-      /*! a b + c and c - a b, fused where supported. Embree's madd of floats would first clear the rest of a vector. */
+      /*! a b + c and c - a b, fused where supported. Embree's madd of floats would clear the rest of a vector first. */
       __forceinline float fused (float a, float b, float c)
       {
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
