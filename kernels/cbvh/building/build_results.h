@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Collects the blocks and statistics of all tasks that build a surface. Tasks may call add() concurrently. collect()
- * puts the blocks into an order that does not depend on the timing of threads. */
+/* Collects the blocks and statistics of all tasks that build a surface. Tasks may call add() concurrently. The order of
+ * blocks after collect() does not depend on the timing of threads. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -17,8 +17,8 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks that a task wrote. If strip is 0: blocks of consecutive patches, beginning with `patch` of `primitive`.
-       *  Otherwise: blocks of one strip of that patch, numbered from 1. */
+      /*! Blocks of consecutive patches, beginning with `patch` of `primitive`, if strip is 0. Otherwise blocks of one
+       *  strip of that patch, numbered from 1. */
       struct List
       {
         size_t primitive;
@@ -36,7 +36,7 @@ namespace embree
       cbvh::WorldBounds hitBounds;
       MutexSys mutex;
 
-      /*! Flushes a store and adds its blocks. Arguments: see List. The store may be used again. */
+      /*! Flushes a store and adds its blocks. The store may be used again. */
       void add (size_t primitive, unsigned patch, unsigned strip, BlockStore& store)
       {
         store.flush();

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds the static or the moving surfaces of a scene when the scene is committed. First builds the blocks of
- * geometries that changed (surface_builder.h), then a tree over the parts of all static surfaces, or over all moving
- * blocks (motion_tree.h). Compiled for the lowest ISA and AVX, like Embree's builder of subdivision surfaces. */
+/* Builds the static or the moving surfaces of a committed scene: first the blocks of geometries that changed
+ * (surface_builder.h), then a tree over the parts of all static surfaces, or over all moving blocks (motion_tree.h).
+ * Compiled for the lowest ISA and AVX, like Embree's builder of subdivision surfaces. */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -73,7 +73,7 @@ namespace embree
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
             blocks(cbvh::blocksOf(geometry)) {}
 
-        /*! True for grids, quads and triangles, whose vertices the application computed. */
+        /*! True if the application computed the vertices. */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
       };
 
@@ -141,8 +141,8 @@ namespace embree
         return builds;
       }
 
-      /*! Builds the blocks that are missing: first small surfaces, several per task, then medium ones in parallel.
-       *  Large ones follow one by one, because each uses all threads and much temporary memory. */
+      /*! Builds missing blocks: first small surfaces, several per task, then medium ones in parallel, then large ones
+       *  one by one, because each uses all threads and much temporary memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -169,7 +169,7 @@ namespace embree
         builder.reset();
       }
 
-      /*! Returns the mask of the thread caches (base/thread_cache.h) that rays through the surfaces use. */
+      /*! Returns the mask of ThreadCaches that rays through the surfaces use. */
       unsigned cachesOf (const std::vector<Surface>& surfaces) const
       {
         unsigned caches = 0;
@@ -200,8 +200,8 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Builds the tree over the parts of static surfaces. A scene with one surface uses the surface's own tree.
-       *  Returns the number of nodes that the scene owns. */
+      /*! Builds the tree over the parts of static surfaces, and returns the number of its nodes: 0 for a scene with one
+       *  surface, which uses the surface's tree. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
@@ -326,8 +326,7 @@ namespace embree
       return new CompressedBuilder((BVH4*)bvh,scene,report,true);
     }
 
-    /*! Builds the blocks of one geometry outside of a scene, for geometries that release their input when they are
-     *  committed (api/geometry_commit.cpp). */
+    /*! Builds the blocks of a geometry that releases its input (api/geometry_commit.cpp). */
     void buildBlocksOfGeometry (CompressibleGeometry* geometry)
     {
       const CompressionSettings& settings = geometry->compression;

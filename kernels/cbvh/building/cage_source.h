@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The faces of a cage (a subdivision surface's control mesh) as a source of patches (surface/source.h). Patches become
- * blocks of the requested kind or cVERT. They become Embree's grids if blocks do not support their edge rates, or if
- * the geometry is not compressed. */
+/* The faces of a cage as a source of patches (surface/source.h). Patches become blocks of the requested kind or cVERT,
+ * or Embree's grids if blocks do not support their edge rates or the geometry is not compressed. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -34,7 +33,7 @@ namespace embree
 
       size_t size () const { return mesh->size(); }
 
-      /*! The result is exact unless a bound on the error selects frame levels, or faces fall back to cVERT. */
+      /*! Exact unless a bound on the error selects frame levels, or faces fall back to cVERT. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -46,8 +45,7 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      /*! Small surfaces are one task. Otherwise tasks are small, because faces can cost milliseconds and differ
-       *  widely. */
+      /*! Tasks of large surfaces are small, because faces can cost milliseconds and differ widely. */
       size_t perTask (bool isSmall) const {
         return isSmall ? max(mesh->size(),size_t(1))
           : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
@@ -75,8 +73,8 @@ namespace embree
           });
       }
 
-      /*! A face whose control vertices are not finite has no surface, and is no error, as in Embree. If quads are
-       *  invalid here, the displacement function returned values that are not finite. */
+      /*! A face with control vertices that are not finite is skipped without an error, as in Embree. Invalid quads come
+       *  from displacement functions. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
@@ -94,7 +92,7 @@ namespace embree
             framed(plan,source.mesh,store,statistics),
             vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
 
-        /*! See source.h. Returns false if the patch must be written in strips. */
+        /*! Returns false if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
@@ -140,7 +138,7 @@ namespace embree
         return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! Chooses the lowest frame level per face that keeps max_error, by encoding its blocks on trial. Called once per
+      /*! Chooses the lowest frame level per face that keeps max_error, by encoding its blocks on trial, once per
        *  build, because displacement functions may return other values the next time. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)

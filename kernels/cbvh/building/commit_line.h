@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The line that the commit of a scene prints at verbosity 1, or if EMBREE_CBVH contains "verbose". For users who cannot
- * change the program: it names what is compressed, what is not and why, and the memory of each. */
+/* The line that the commit of a scene prints at verbosity 1, or if EMBREE_CBVH contains "verbose": what is compressed,
+ * what is not and why, and its memory. For users who cannot change the program. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Grids that an application diced, as a source of patches (surface/source.h): the grids of a grid geometry, or regions
- * of quad and triangle meshes that form grids. All are stored as cVERT. */
+/* A source of patches (surface/source.h): the grids of a grid geometry, or regions of quad and triangle meshes that
+ * form grids. All are stored as cVERT. */
 
 #include "../surface/grid_patch.h"
 #include "../vert/writer.h"
@@ -38,7 +38,7 @@ namespace embree
         });
       }
 
-      /*! Stored border vertices of the grids, for primitives that are in no grid but share these vertices. */
+      /*! For primitives that are in no grid but share vertices with one. */
       const StoredBorders& storedBorders () const { return borders; }
 
       size_t perTask (bool isSmall) const
@@ -52,7 +52,7 @@ namespace embree
       void prepare (size_t perTask, const Progress& progress) { borders.build(perTask,[&] { progress(0.0); }); }
       void release () { borders.release(); }
 
-      /*! Quads with vertices that are not finite are left out without an error, as in Embree. */
+      /*! Quads with vertices that are not finite are skipped without an error, as in Embree. */
       bool isInvalid (size_t grid, bool) const { return borders.isError(grid); }
 
       bool isUnsupported (size_t) const { return false; }
@@ -75,7 +75,7 @@ namespace embree
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), vert(source.plan,source.mesh->device,store,statistics) {}
 
-        /*! See source.h. Returns false if the grid must be written in strips. */
+        /*! Returns false if the grid must be written in strips. */
         bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;

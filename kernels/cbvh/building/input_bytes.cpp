@@ -7,7 +7,7 @@ namespace embree
 {
   namespace
   {
-    /*! Adds up bytes, counting each buffer once. Buffers that the application allocated (shared) do not count. */
+    /*! Counts each buffer once, and not buffers that the application allocated (shared). */
     class InputBytes
     {
     public:

@@ -8,7 +8,7 @@
 
 namespace embree
 {
-  /*! Bytes of a geometry's half-edges, and of the buffers that Embree allocated for it and that it still references.
-   *  counted: buffers to skip; receives this geometry's buffers. */
+  /*! Bytes of a geometry's half-edges and of the buffers that Embree allocated for it. counted: buffers to skip;
+   *  receives this geometry's buffers. */
   size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted);
 }

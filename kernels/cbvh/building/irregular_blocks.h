@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Builds mesh blocks, which store indexed triangles (cvert/format/mesh_block.h), of the triangles that are in no grid.
- * All threads first divide the triangles into parts in space. A task then clusters and encodes each part. */
+/* Builds mesh blocks (cvert/format/mesh_block.h) of the triangles that are in no grid. All threads first divide the
+ * triangles into parts in space. A task then clusters and encodes each part. */
 
 #include "../surface/mesh_parts.h"
 #include "../vert/moving_mesh_writer.h"
@@ -35,8 +35,7 @@ namespace embree
       }
       void release () { triangles.release(); }
 
-      /*! Adds blocks and statistics to `results`, ordered after the blocks of all grids. numGrids: number of the
-       *  geometry's grids. */
+      /*! Adds blocks and statistics to `results`, after the blocks of the geometry's numGrids grids. */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -94,7 +93,7 @@ namespace embree
           [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
-      /*! Halves each part that is too large for a task. Returns false if there is none. depth: number of previous
+      /*! Halves parts that are too large for a task. Returns false if there is none. depth: number of previous
        *  calls. */
       bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& parts)
       {

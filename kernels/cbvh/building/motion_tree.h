@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tree over the moving blocks of a scene: Embree's BVH4 for motion blur, with boxes that are linear in time, and nodes
- * that split the time range. Boxes contain the blocks also in the floats that traversal computes (see Planes). */
+/* Tree over the moving blocks of a scene: Embree's BVH4 for motion blur, with boxes that are linear in time and nodes
+ * that split the time range. Boxes contain the blocks also in the floats of traversal (see Planes). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -83,7 +83,7 @@ namespace embree
       }
 
     private:
-      /*! Computes the bounds of a block in a range of times, for Embree's builder when it splits time. */
+      /*! Bounds of a block in a range of times, for Embree's builder. */
       struct Recalculate
       {
         const mvector<Block>& blocks;
@@ -101,16 +101,16 @@ namespace embree
         }
 
       private:
-        /*! Widens a range: Embree's builder leaves a block out of a part of the time if the block ends within 1e-4 of
-         *  the part's beginning, or begins as close to its end. */
+        /*! Widens a range, because Embree's builder omits a block from a part of the time if it ends within 1e-4 of the
+         *  part's beginning, or begins as close to its end. */
         static BBox1f widened (const BBox1f& range) {
           return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,
             range.upper < 1.0f ? range.upper*1.0002f : range.upper);
         }
       };
 
-      /*! One plane of a block's boxes in a range of times. It is linear between knots, which are the steps in the range
-       *  and its two ends. k: axis. */
+      /*! A plane of a block's boxes on axis k in a range of times. It is linear between knots: the steps in the range
+       *  and its two ends. */
       class Knots
       {
       public:
@@ -154,9 +154,8 @@ namespace embree
         const double first, last;
       };
 
-      /*! Returns boxes at the ends of a range of times. Linear interpolation between them contains the block at all
-       *  times at which it exists: each plane is a line from the first to the last knot, moved until no knot is
-       *  outside. */
+      /*! Returns boxes at the ends of a range of times. Interpolated linearly, they contain the block whenever it
+       *  exists: each plane is a line from the first to the last knot, moved until no knot is outside. */
       static LBBox3fa linearBounds (const Block& block, const BBox1f& range)
       {
         const double n = double(block.segments), scale = n/(double(block.range.upper)-double(block.range.lower));

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. The first scene that traces a
- * geometry uses the boxes that the build of its blocks computed, and then frees them. Later scenes decode the blocks to
- * compute the boxes again. */
+/* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. The first scene with a geometry
+ * uses and then frees the boxes that the build of its blocks computed. Later scenes decode the blocks. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -56,7 +55,7 @@ namespace embree
     private:
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
 
-      /*! Rays have times from 0 to 1; Embree's builder supports no blocks outside of them. */
+      /*! Embree's builder supports no blocks outside of the times of rays, 0 to 1. */
       static bool overlapsRayTimes (BVH4::NodeRef leaf)
       {
         const cbvh::VertMotion motion = motionOf(leaf);
@@ -97,7 +96,7 @@ namespace embree
           : cbvh::motionOf((const cbvh::VertHeader*)block);
       }
 
-      /*! Decodes blocks to compute their boxes. Memory of one task, on the heap because it is large. */
+      /*! Computes boxes of blocks. On the heap, because it is large. */
       class alignas(64) BoundsDecoder
       {
         ALIGNED_CLASS_(64);

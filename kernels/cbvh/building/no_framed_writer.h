@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/writer.h in libraries that are built without the paper's representations (EMBREE_CBVH_NO_PAPER), so
- * that cage_source.h compiles. Never called. */
+/* Replaces framed/writer.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). Never called. */
 
 #include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"

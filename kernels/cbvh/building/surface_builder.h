@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and over them a BVH4 with
- * Embree's builder, which bins by the surface area heuristic (SAH). A task encodes several primitives, or a strip of a
- * large patch. A scene builds its tree over subtrees of these BVHs (stored/tree.h). */
+/* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and a BVH4 over them. A
+ * task encodes several primitives, or a strip of a large patch. A scene builds its tree over subtrees of these BVHs
+ * (stored/tree.h). */
 
 #include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
@@ -31,17 +31,16 @@ namespace embree
       /*! True if building uses all threads and much temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! Builds the blocks. Call it once. progress(primitives): receives the number of the geometry's primitives that
-       *  were completed since the last call, or 0. It is called by several threads, and may throw to cancel the
-       *  build. */
+      /*! Builds the blocks. Call it once. progress(primitives) receives the number of primitives completed since the
+       *  last call, or 0, on several threads. It may throw to cancel the build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
-    /*! Bytes reserved per block. A cLEAF block of 16 x 16 quads has a header of 76 bytes, 85 nodes of 4 bytes and 64
-     *  groups of 8 bytes. Most cVERT blocks are smaller. */
+    /*! Bytes reserved per block: a cLEAF block of 16 x 16 quads has a header of 76 bytes, 85 nodes of 4 and 64 groups
+     *  of 8 bytes. Most cVERT blocks are smaller. */
     static const size_t expectedBlockBytes = 928;
 
-    /*! Bytes reserved per mesh block, about the size of a full one, with 256 triangles. */
+    /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
     /*! Bytes of a small piece of memory, less than the blocks of most parts of a mesh need (irregular_blocks.h). */
@@ -74,8 +73,8 @@ namespace embree
         const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece. The remainder is
-        // lost if the next piece does not fit. Up to 16 MiB, each piece therefore gets its own allocation.
+        // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece, and loses the
+        // remainder if the next piece does not fit. Up to 16 MiB, each piece therefore gets its own allocation.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
@@ -141,9 +140,8 @@ namespace embree
         results.add(statistics);
       }
 
-      /*! Builds a patch with many rows in strips, which run as separate tasks. Two strips share a row of vertices. If a
-       *  second evaluation could differ, the shared rows are evaluated first, and both strips use these vertices.
-       *  number: index of the patch in its primitive. */
+      /*! Builds a patch with many rows in strips, as separate tasks. Rows that two strips share are evaluated first if
+       *  a second evaluation could differ. number: index of the patch in its primitive. */
       void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory,
                         BuildResults& results,
                         cbvh::BuildStatistics& statistics, const Progress& progress)
@@ -184,8 +182,8 @@ namespace embree
           });
       }
 
-      /*! Builds the tree over the blocks and divides it into parts for the trees of scenes. Does not build it for
-       *  moving blocks, nor for so few blocks that each of them can be a part. */
+      /*! Builds the tree over the blocks and divides it into parts for the trees of scenes. Moving blocks have no tree,
+       *  nor so few blocks that each can be a part. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimitives = prims.size();
@@ -203,8 +201,7 @@ namespace embree
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
 
-      /*! Returns null if the source has no storedBorders(). Call it with 0: overload resolution then prefers the
-       *  function with int, if it compiles for the source. */
+      /*! Returns null if the source has no storedBorders(). Call it with 0: overload resolution prefers int to long. */
       template<typename S>
       static auto bordersOf (const S& source, int) -> decltype(&source.storedBorders()) {
         return &source.storedBorders();

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A geometry loaded from a file: it has blocks, but no input. Its mask, filters, user data and enabled state can be
- * set. Functions that read or change its input fail. */
+/* A geometry loaded from a file has blocks, but no input. Its mask, filters, user data and enabled state can be set.
+ * Functions that read or change input fail. */
 
 #include "../base/codec.h"
 #include "../embree/scene.h"
@@ -47,7 +47,6 @@ namespace embree
     unsigned getOppositeHalfEdge (unsigned, unsigned) override { rejectAccess(); }
 
   private:
-    /*! Throws the error of functions that need the input. */
     [[noreturn]] static void rejectAccess ();
 
     const BBox1f fileTimes; //!< times of the first and last step; blocks store them, so they cannot be changed

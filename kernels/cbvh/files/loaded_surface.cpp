@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-offsetInPage,offsetInPage+bytes); }
       };
 
-      /*! Memory of a loaded surface. Blocks are in private pages, or in the mapping of the file if pages is null. */
+      /*! Memory of a loaded surface's blocks: private pages, or the mapping of the file if pages is null. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
@@ -133,8 +133,8 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* Blocks contain a surface number (base/surface_ids.h). If another surface of the process already has the number
-       * of the file, this surface gets a different one, and copy-on-write pages into which it is written. */
+      /* Blocks contain a surface number (base/surface_ids.h). If another surface has the number of the file, this
+       * surface gets a different one, and copy-on-write pages to store it. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);

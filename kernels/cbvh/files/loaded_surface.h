@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Loads the surfaces of a file, for core/files.h. Loading reads and checks the tree, and moving blocks. Other blocks
- * stay in the mapped file, and are checked when rays first reach them (mapped_blocks.h). */
+/* Loads the surfaces of a file, for core/files.h. Loading reads and checks trees and moving blocks. Other blocks stay
+ * in the mapped file, and are checked when rays first reach them (mapped_blocks.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/file/file.h"

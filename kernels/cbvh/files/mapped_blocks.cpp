@@ -17,12 +17,12 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! All MappedBlocks of the process, to find the owner of a block by its address. Each thread has a copy of the
-     *  sorted list and remembers the last owner, so that rays need no lock. */
+    /*! All MappedBlocks of the process, to find the owner of a block by its address. Threads have copies of the sorted
+     *  list, so that rays need no lock. */
     class MappedBlockRegistry
     {
-      /*! Range of addresses. A copy of the members of MappedBlocks, because other threads may delete the MappedBlocks
-       *  of geometries that the calling thread does not trace. */
+      /*! Copies members of MappedBlocks, because other threads may delete those of geometries that the calling thread
+       *  does not trace. */
       struct AddressRange
       {
         const char* begin;
@@ -34,7 +34,7 @@ namespace embree
       typedef std::vector<AddressRange> List; //!< sorted by address
 
     public:
-      /*! If std::bad_alloc is thrown, nothing was changed. */
+      /*! Changes nothing if it throws std::bad_alloc. */
       static void add (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -50,7 +50,7 @@ namespace embree
         publish();
       }
 
-      /*! If there is no memory for a new list, threads search all blocks until the next change. */
+      /*! If there is no memory for a new list, threads search all MappedBlocks until the next change. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -62,8 +62,7 @@ namespace embree
       }
 
     private:
-      /*! A thread's copy. Between two uses the list may be outdated, but it contains all geometries that the thread is
-       *  tracing. */
+      /*! A thread's copy. It may be outdated, but contains all geometries that the thread is tracing. */
       struct ThreadCopy
       {
         uint64_t generation = 0;
@@ -129,8 +128,8 @@ namespace embree
         return next;
       }
 
-      /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, so that it contains
-       *  all blocks for readers that see a part of the change (base/mapped_blocks.h). */
+      /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, for readers that see a
+       *  part of the change (base/mapped_blocks.h). */
       static void publish ()
       {
         if (!first) {
@@ -204,7 +203,7 @@ namespace embree
 
     void MappedBlocks::setSurfaceNumber (size_t offset, BlockFormat format) const
     {
-      /* Several threads may check a block. One of them writes before any of them marks the block. */
+      /* several threads may check a block; one of them writes before any of them marks the block */
       uint32_t expected = record.surface;
       if (record.surface != surfaceNumber)
         surfaceOf(offset,format).exchange(expected,surfaceNumber,std::memory_order_acq_rel);

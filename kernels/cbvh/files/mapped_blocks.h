@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that other blocks are never
- * read from disk. Decoders and traversal access no memory outside of a block that passes the check, and its hits report
- * existing primitives. base/mapped_blocks.h is the test that traversal calls. */
+/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it (base/mapped_blocks.h), so that
+ * other blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its hits
+ * report existing primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -26,8 +26,8 @@ namespace embree
     {
     public:
       /*! file: mapped with at least fileReadPast bytes after the blocks, which decoders may read. begin: first block.
-       *  number: surface number. If it differs from the record's, it is written into each block that is checked, so
-       *  blocks must be writable. name: for messages. */
+       *  number: surface number. If it differs from the record's, it is written into checked blocks, which must be
+       *  writable. name: for messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
                     const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();

@@ -24,8 +24,8 @@ namespace embree
 
     namespace
     {
-      /*! Converts a surface's tree, and lists its blocks, in one of the three forms of a file: a tree, a list of few
-       *  blocks with bounds, or a list of moving blocks without bounds. */
+      /*! Converts a surface's tree and lists its blocks. A file contains a tree, a list of few blocks with bounds, or a
+       *  list of moving blocks without bounds. */
       class TreeConverter
       {
       public:

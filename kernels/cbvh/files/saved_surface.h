@@ -15,9 +15,9 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Prepares a compressed geometry for cvert::FileWriter. The result refers to the blocks, which must outlive it.
-     *  Throws RTC_ERROR_INVALID_OPERATION if a part of the geometry is not compressed, a block of a file is damaged, or
-     *  bounds are not finite. */
+    /*! Prepares a geometry for cvert::FileWriter. The blocks must outlive the result. Throws
+     *  RTC_ERROR_INVALID_OPERATION if a part of the geometry is not compressed, a block of a file is damaged, or bounds
+     *  are not finite. */
     FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
   }
 }

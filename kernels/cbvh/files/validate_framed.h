@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Validates blocks with frames (framed/block.h) that were read from a file. cvert/decoder/validate.h does the same for
- * all other blocks. */
+/* Validates blocks with frames (framed/block.h). cvert/decoder/validate.h validates all others. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -15,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False if a frame is not finite, or maps all points to one, as a header of zeros does. */
+    /*! False if a frame is not finite, or maps all points to one, as zeros do. */
     inline bool isFrame(const BlockHeader& header)
     {
       bool isZero = true;
@@ -29,8 +28,8 @@ namespace embree
       return !isZero;
     }
 
-    /*! Returns the first error in a block of at most `bytes` bytes. Decoders read no memory outside of a valid block,
-     *  whatever its nodes and leaves contain. */
+    /*! Returns the first error in a block of at most `bytes` bytes. Decoders read no memory outside of a valid
+     *  block. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
       if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
