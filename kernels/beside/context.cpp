@@ -31,7 +31,7 @@ CbvhError codeOf(RTCError code)
 }
 
 /* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
- * no errors: errors of damaged blocks notify the application at once. */
+ * no errors: the application is notified at once. */
 void handleEmbreeError(void* context, RTCError code, const char* text)
 {
   const Failure failure = {codeOf(code), text ? text : ""};

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Contexts of the C API (include/cbvh/cbvh.h), and conversion of the kernels' errors to errors of this API. Features of
- * Embree (geometries, buffers, scenes, rays) are called through Embree's API, which this library contains but does not
- * export; their errors go to the device's error function. Other features are called in kernels/cbvh/core, which throws.
- * In comments of this folder, "core" is kernels/cbvh/core, and "kernels" is Embree with compression. */
+/* Contexts of the C API (include/cbvh/cbvh.h), and conversion of errors. Geometries, buffers, scenes and rays are
+ * Embree's, called through its API, which this library contains but does not export; their errors go to the device's
+ * error function. Other features are called in kernels/cbvh/core, which throws. In comments of this folder, "core" is
+ * kernels/cbvh/core, and "kernels" is Embree with compression. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/core/errors.h"
@@ -33,11 +33,11 @@ struct Failure
   explicit operator bool() const { return code != CBVH_OK; }
 };
 
-/* Converts the exception of the enclosing catch block, a Failure or an exception of the core. Appends an error of
- * Embree that was stored on this thread but not thrown, such as the reason why a block of a file is damaged. */
+/* Converts the exception of the enclosing catch block. Appends an error of Embree that was stored on this thread but
+ * not thrown, such as why a block of a file is damaged. */
 Failure caughtFailure();
 
-/* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
+/* Base of objects with a reference count, which starts at 1. Thread-safe. */
 class RefCounted
 {
 public:
@@ -55,7 +55,7 @@ private:
   std::atomic<size_t> references;
 };
 
-/* Owns a reference to a RefCounted object, or is empty. */
+/* Owns a reference to a RefCounted object, or is NULL. */
 template<typename T>
 class RefPtr
 {
@@ -104,10 +104,9 @@ private:
 
 namespace embree { namespace beside {
 
-/* Selects how this thread handles errors of Embree's functions. Functions of this library create one, which stores
- * errors until CbvhContextTy::check() throws them. During callbacks of the application, collects is false: errors of
- * rays that the callback traces are reported at once, without failing the function that called it. The destructor
- * restores the previous state. */
+/* Selects how this thread handles errors of Embree, until the destructor restores the previous state. Functions of this
+ * library store errors, which CbvhContextTy::check() throws. During callbacks of the application, collects is false:
+ * errors of rays that the callback traces are reported at once, and the function that called it does not fail. */
 class ErrorScope
 {
 public:
@@ -119,8 +118,8 @@ private:
   const bool outerCollects;
 };
 
-/* Stores an error's text for cbvhGetErrorText, and calls an error function. The function may be NULL. It may call this
- * API and cause further errors. Returns failure.code. */
+/* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause further
+ * errors. Returns failure.code. */
 CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
 /* Runs an API function: converts its exceptions to a code, and reports them to the application. */
@@ -144,8 +143,8 @@ inline void require(bool condition, const char* text)
   if (!condition) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
 }
 
-/* Stores the text of an invalid argument for cbvhGetErrorText, in functions that have no context to report it to.
- * Returns CBVH_ERROR_INVALID_ARGUMENT. */
+/* Stores a text for cbvhGetErrorText, if there is no context to report an invalid argument to. Returns
+ * CBVH_ERROR_INVALID_ARGUMENT. */
 CbvhError rejectArgument(const char* text);
 
 }} // namespace embree::beside

@@ -55,7 +55,7 @@ void CbvhGroupTy::commit()
   if (failure) throw failure;
 }
 
-/* Called after each commit: after a later change of a surface's mask, Embree returns statistics only once every scene
+/* Called after each commit, because Embree returns no statistics after a change of a surface's mask until every scene
  * with that surface is committed. */
 void CbvhGroupTy::updateStatistics()
 {

@@ -11,8 +11,8 @@ struct CbvhGroupTy : embree::beside::RefCounted
 {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
-  /* Builds the tree over the surfaces' last commits. Throws if a surface is not committed. Also throws if faces were
-   * left out, after the group has been committed without them. */
+  /* Builds the tree over the surfaces' last commits. Throws if a surface is not committed, or if faces were left out,
+   * but then after the commit. */
   void commit();
 
   const embree::beside::RefPtr<CbvhContextTy> context;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces rays through groups. A call first sets all geomIDs to RTC_INVALID_GEOMETRY_ID, and the kernels set them for
- * hits. Then it restores the geomIDs of rays without a hit, and all instIDs, which belong to the application. */
+/* Traces rays through groups. geomIDs are RTC_INVALID_GEOMETRY_ID while the kernels trace. Afterwards, rays without a
+ * hit get their geomIDs back, and all rays their instIDs, which belong to the application. */
 
 #include "group.h"
 #include "structs.h"
@@ -14,7 +14,7 @@ namespace {
 static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
   "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-/* The context that the kernels pass to filter(), which finds the query behind it. */
+/* The kernels pass `context` to filter(). */
 struct Query
 {
   RTCIntersectContext context;
@@ -36,11 +36,11 @@ struct Query
   }
 };
 
-/* True if the application was compiled with this version of CbvhQuery. Costs one comparison per call. */
+/* True if the application was compiled with this version of CbvhQuery. */
 inline bool isCurrentVersion(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
 
-/* Converts a query of another version to this one, and calls trace(query). Returns 0 on errors. Not inlined, to keep
- * the usual path short. */
+/* Calls trace() with a query of another version, converted to this one. Returns 0 on errors. Not inlined, to keep the
+ * usual path short. */
 template<typename Trace>
 __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))
@@ -52,7 +52,6 @@ __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQue
   return trace(&converted);
 }
 
-/* Types and functions of the kernels for packets of K rays. */
 template<unsigned int K> struct PacketKernels;
 template<> struct PacketKernels<4>
 {
@@ -76,7 +75,6 @@ template<> struct PacketKernels<16>
   static constexpr auto occluded = rtcOccluded16;
 };
 
-/* The mask of a packet whose rays are all valid. */
 template<unsigned int K>
 struct AllRays
 {
@@ -110,8 +108,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   return hits;
 }
 
-/* Returns a mask of the rays that are occluded. Rays with a negative tfar have ended before the call, and are not
- * reported as hits. */
+/* Returns a mask of the rays that are occluded, without those whose tfar was negative before the call. */
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {

@@ -21,8 +21,7 @@ namespace {
 
 constexpr unsigned int maxSteps = 129; // RTC_MAX_TIME_STEP_COUNT
 
-/* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. stride: bytes
- * between items of the array. */
+/* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. */
 void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t size, size_t stride, size_t count)
 {
@@ -74,8 +73,8 @@ std::string describeItem(const char* item, size_t i, const char* verb, size_t va
 
 [[noreturn]] void throwInvalidArgument(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* Throws if a value is not below `bound`. Example of the message, with item "crease index", target "vertex" and targets
- * "vertices": "crease index 3 is vertex 9: the cage has 8 vertices". */
+/* Throws if a value is not below `bound`, for example "crease index 3 is vertex 9: the cage has 8 vertices", with the
+ * item "crease index", the target "vertex" and the targets "vertices". */
 void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* item, const char* target,
   const char* targets)
 {
@@ -109,8 +108,7 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Embree divides a face without four corners into a sub-patch per corner. In hits, sub-patch i + 4 j begins at u = 2 i,
- * v = 2 j. */
+/* Faces without four corners have a sub-patch per corner. Sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
@@ -332,8 +330,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Removes the callback after the commit. If it fails, also removes the request for compression from the pending
-   * input. */
+  /* Removes the callback. If the commit fails, also removes the request for compression. */
   struct Restore
   {
     const std::shared_ptr<Input> input;
@@ -378,8 +375,7 @@ void CbvhSurfaceTy::commitInput()
     const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  /* A commit can store blocks and also report an error, about input that it left out. It then succeeds before
-   * throwing. */
+  /* A commit that reports left out input has stored blocks. It succeeds before throwing. */
   const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->embreeGeometry())) {
     if (failure) throw failure;
@@ -438,7 +434,7 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure)
   return guarded(surface->context.get(), closure);
 }
 
-/* Calls closure with the application's struct, converted to the current version. */
+/* Calls closure with a struct that was converted to the current version. */
 template<typename T, typename Closure>
 CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const Closure& closure)
 {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A surface: a geometry of the kernels that releases its input (cage, grids or mesh) when it is committed, and keeps
- * only compressed blocks. An application sets an input, which is pending until commit() makes it the current one. */
+/* A surface: a geometry of the kernels that releases its input (cage, grids or mesh) and keeps only compressed blocks
+ * when it is committed. An input is pending until commit() makes it the current one. */
 
 #include "context.h"
 
@@ -17,7 +17,7 @@
 
 namespace embree { namespace beside {
 
-/* A geometry of the kernels, with the data of its callbacks. It is the user data of these callbacks. */
+/* A geometry of the kernels, and the user data of its callbacks. */
 struct Input
 {
   RTCGeometry geometry;
@@ -32,10 +32,9 @@ struct Input
   CbvhProgressFunction progress = nullptr; // not NULL only during a commit
   void* progressPtr = nullptr;
 
-  /* The geometry, for functions of the core. */
   embree::Geometry* embreeGeometry() const { return (embree::Geometry*)geometry; }
 
-  /* Throws unless the face exists, and u and v are its parameters, numbered as in hits. */
+  /* Throws unless the face exists and has parameters u and v, numbered as in hits. */
   void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
@@ -51,7 +50,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
-  /* Set the pending input. Cages are copied. The vertices of grids and meshes must exist until the commit. */
+  /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until the commit. */
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
@@ -65,16 +64,16 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
   /* Sets the committed geometry's mask to the last value of setMask(). */
   void applyMask();
 
-  /* Compresses the pending input. If it throws, the last commit remains current and the input remains pending, unless
-   * the error is only about a part of the input that was left out. */
+  /* Compresses the pending input. If it throws, the last commit remains current and the input pending, unless the error
+   * is only about input that was left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
 
   /* Replaces the surface by the geometry of a file. Throws unless the file contains exactly one. */
   void load(const char* path);
 
-  /* Input of the last commit. Throws if there is none. The result keeps the input alive even if a callback commits or
-   * releases the surface meanwhile. */
+  /* Input of the last commit. Throws if there is none. The result stays valid even if a callback commits or releases
+   * the surface. */
   std::shared_ptr<const embree::beside::Input> committedInput() const;
 
   /* Input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
@@ -87,8 +86,8 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 private:
   typedef std::shared_ptr<embree::beside::Input> InputPtr;
 
-  /* Exists while the surface is changed. The constructor throws if another change is in progress, for example if a
-   * commit's callback changes the surface. */
+  /* Exists while the surface is changed. The constructor throws if another change is in progress, such as a commit
+   * whose callback changes the surface. */
   class ChangeScope
   {
   public:
@@ -106,7 +105,7 @@ private:
   /* copies: true to copy the vertices. Otherwise they must exist until the commit. */
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
 
-  /* Replaces the pending input. Throws, and replaces nothing, if the device reported an error. */
+  /* Replaces the pending input, unless the device reported an error, which it throws. */
   void setPending(InputPtr input);
 
   InputPtr current, pending;    // input of the last commit and of the next one

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's functions for devices, scenes, instances, and the lifetime of geometries. Each passes the call to
- * Embree (REAL) and keeps Objects consistent. Compressed geometry is built when its scene is committed. */
+/* Overrides Embree's functions for devices, scenes, instances, and the lifetime of geometries. Each calls Embree (REAL)
+ * and keeps Objects consistent. Compressed geometry is built when its scene is committed. */
 
 #include "devices.h"
 #include "objects.h"
@@ -43,8 +43,7 @@ RTCGeometry originalOf(RTCGeometry geometry)
   return data ? data->original : geometry;
 }
 
-/* Returns the geometry that Embree must attach instead of the application's. isOriginal: receives true if it is the
- * application's. */
+/* Returns the geometry that Embree must attach: the application's if isOriginal, which it sets, or the substitute. */
 RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
@@ -52,7 +51,7 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
   return isOriginal ? geometry : substituted->substitute;
 }
 
-/* Fraction of a scene's progress that reports builds by libembree_cbvh; Embree's commit reports the rest. */
+/* Share of a scene's progress for builds by libembree_cbvh; the rest is for Embree's commit. */
 constexpr double buildFraction = 0.9;
 
 /* Progress function that Embree calls. Returns false to cancel the commit. */
@@ -85,8 +84,7 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* A thread in a scene's commit. Threads that arrive before any has left join the commit, and share its cancellation.
- * The next thread begins another commit. */
+/* A thread in a scene's commit. Threads that arrive before any has left join the commit and share its cancellation. */
 class Commit
 {
 public:
@@ -166,8 +164,7 @@ RTC_API void rtcRetainScene(RTCScene scene)
 
 RTC_API void rtcReleaseScene(RTCScene scene)
 {
-  /* Before Embree's release: afterwards, Embree can reuse the address for another object. The garbage is destroyed at
-   * the end of this function, after Embree's release. */
+  /* before Embree's release, after which Embree can reuse the address; the garbage is destroyed after it */
   const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
   REAL(rtcReleaseScene)(scene);
 }

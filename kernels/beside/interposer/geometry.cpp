@@ -21,8 +21,7 @@ const char* nameOf(RTCGeometryType type)
     : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
 }
 
-/* Returns the context of libembree_cbvh for some settings. Devices with the same settings share it. It is never
- * released. */
+/* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. */
 CbvhContext contextOf(const std::string& settings)
 {
   static std::mutex& mutex = *new std::mutex;
@@ -90,7 +89,7 @@ void Substituted::setUserData(void* userData)
   change(input.displacement ? InputChange : AppearanceChange);
 }
 
-/* A commit without any change since the last one means that shared buffers have new contents. */
+/* A commit without changes means that shared buffers have new contents. */
 void Substituted::commit()
 {
   if (changes != AppearanceChange) isCommitted = true;

@@ -4,8 +4,8 @@
 #pragma once
 
 /* An application's geometry, for which scenes contain a substitute: a user geometry that traces the compressed surface.
- * The application's handle is Embree's geometry (the original), which receives all calls and interpolates, but is in no
- * scene, so that Embree never tessellates it. If a geometry cannot be compressed, scenes contain the original. */
+ * The application's handle is Embree's geometry (the original), which receives all calls and interpolates. Scenes
+ * contain the original only if it cannot be compressed, so that Embree never tessellates it otherwise. */
 
 #include "input.h"
 #include "substitute_data.h"
@@ -23,7 +23,7 @@ typedef std::function<bool(double)> Progress;
 class Substituted
 {
 public:
-  /* Returns NULL if no substitute is possible. The caller owns the result. settings: for the context of
+  /* Returns NULL if no substitute is possible. The caller owns the result. settings: of the context of
    * libembree_cbvh. */
   static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
   ~Substituted();
@@ -32,10 +32,10 @@ public:
 
   /* Input of the next commit. */
   Input input;
-  /* A change of the input requires a new build. A change of masks, filters or user data does not. */
+  /* Only changes of the input require a new build. AppearanceChange: of masks, filters or user data. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
-  /* Called when the application commits the geometry. The next commit of a scene builds it if necessary. */
+  /* Commits the geometry. The next commit of a scene builds it if necessary. */
   void commit();
   void setEnabled(bool enabled) { isEnabled = enabled; }
   void setUserData(void* userData);

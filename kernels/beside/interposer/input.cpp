@@ -36,8 +36,7 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
   }
 }
 
-/* A buffer's items as a contiguous array: the buffer itself if its stride is the size of an item, otherwise a copy.
- * Empty if there is no buffer. */
+/* A buffer as a contiguous array: a copy if its stride is not the size of an item. Empty if there is no buffer. */
 template<typename T>
 class Packed
 {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The input that an application sets on a geometry of Embree (buffers, rates, displacement), and its conversion to the
- * input of a surface of libembree_cbvh. */
+/* The input that an application sets on a geometry of Embree, and its conversion to that of a CbvhSurface. */
 
 #include "real.h"
 
@@ -16,7 +15,7 @@
 
 namespace interposer {
 
-/* Thrown if a geometry cannot be compressed, with the reason. Embree then traces it. */
+/* Thrown, with the reason, if a geometry cannot be compressed. Embree then traces it. */
 struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
 
 /* A buffer that the application shares or that Embree owns. stride: in bytes. */

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The application's scenes and geometries, and their reference counts. A substitute must exist while a scene contains
- * its geometry, but Embree does not report when that ends. References are therefore counted as Embree counts them: the
- * application's references, references from scenes to geometries, and references from instances to scenes. */
+/* The application's scenes and geometries. A substitute must exist while a scene contains its geometry, but Embree does
+ * not report when that ends. References are therefore counted as Embree does: those of the application, of scenes to
+ * geometries, and of instances to scenes. */
 
 #include "geometry.h"
 
@@ -66,8 +66,8 @@ public:
   void retain(RTCScene scene);
   void retain(RTCGeometry geometry);
 
-  /* Objects that have no references any more. The caller must destroy them after Embree has released the object that
-   * referred to them. Destroying them calls Embree, so it must not happen while Objects is locked. */
+  /* Objects without references. The caller must destroy them after Embree has released the object that referred to
+   * them. Destroying them calls Embree, so Objects must not be locked then. */
   struct Garbage
   {
     std::vector<std::unique_ptr<Geometry>> geometries;
@@ -80,15 +80,15 @@ public:
   Garbage detach(RTCScene scene, unsigned int geomID);
   Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
 
-  /* Retains the attached geometries with substitutes. The caller must pass the result to releaseAll. */
+  /* Retains the attached geometries with substitutes, which the caller must pass to releaseAll. */
   std::vector<std::pair<unsigned int, Geometry*>> substitutedOf(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
-  /* Records that Embree's scene must contain the original or the substitute. Returns true if it contains the other one,
-   * which the caller must then exchange. */
+  /* Records whether Embree's scene must contain the original. Returns true if the caller must exchange it with the
+   * substitute, or the reverse. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if Embree's scene contains a substitute at geomID. instances: IDs of instances that lead from `scene` to the
-   * scene with this geometry, outermost first. */
+  /* True if geomID is a substitute. instances: IDs of instances from `scene` to the scene with this geometry, outermost
+   * first. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

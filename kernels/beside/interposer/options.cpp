@@ -46,7 +46,7 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Keys and words of EMBREE_CBVH that the interposer supports. Messages suggest the nearest one. */
+/* Items of EMBREE_CBVH that messages suggest. */
 static const std::vector<std::string> words =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 

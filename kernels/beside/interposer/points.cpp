@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's point queries. Embree calls a query's function for each primitive near the point, except for
- * subdivision surfaces. Calls for substitutes are not passed to the application, which does not know these
- * primitives. */
+/* Overrides Embree's point queries, which call a function for each primitive near the point, except for subdivision
+ * surfaces. Calls for substitutes are not passed on, because the application does not know these primitives. */
 
 #include "objects.h"
 #include "options.h"
@@ -19,7 +18,7 @@ struct PointQuery
 };
 thread_local const PointQuery* current = nullptr; // innermost query of the thread
 
-/* Sets `current` while it exists. Queries can be nested: a query's function may start another query. */
+/* Sets `current` while it exists. A query's function may start another query. */
 struct QueryScope
 {
   explicit QueryScope(const PointQuery* query) : outer(current) { current = query; }

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays: the callbacks by which Embree traces substitutes, and overrides of Embree's functions that trace rays. The
- * callbacks need the arguments of these functions: if they contain a function for user geometry, Embree 4 calls it
- * instead of the geometry's own, and does not pass on the arguments' filter. */
+/* The callbacks by which Embree traces substitutes, and overrides of Embree's functions that trace rays. The overrides
+ * store their arguments for the callbacks: if these contain a function for user geometry, Embree 4 calls it instead of
+ * the geometry's own, and does not pass on the arguments' filter. */
 
 #include "substitute_data.h"
 
@@ -18,7 +18,7 @@ namespace {
 template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
 template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
 
-/* Sets the current arguments while it exists. Queries can be nested: a filter may trace rays. */
+/* Sets the current arguments while it exists. A filter may trace rays. */
 template<typename Arguments>
 struct QueryScope
 {
@@ -33,7 +33,7 @@ private:
   const Arguments* const outer;
 };
 
-/* Returns the filter in the query's arguments if Embree would call it for this geometry, otherwise NULL. */
+/* Returns the filter of the query's arguments, or NULL if Embree would not call it for this geometry. */
 template<typename Arguments>
 RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
 {
@@ -179,7 +179,7 @@ PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
 
-/* Only forwarded: cbvh/embree.h refers to these functions, and this library does not link Embree. */
+/* Only forwarded, for cbvh/embree.h: this library does not link Embree. */
 RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
   const RTCFilterFunctionNArguments* filterArgs)
 {

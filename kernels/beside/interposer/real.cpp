@@ -15,7 +15,6 @@ static void* lookUp(const char* name)
 {
   if (void* const next = dlsym(RTLD_NEXT, name)) return next;
   for (const char* library : {"libembree4.so.4", "libembree3.so.3"}) {
-    /* the library stays loaded, because its functions are used later */
     void* const handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
     if (!handle) continue;
     if (void* const function = dlsym(handle, name)) return function;

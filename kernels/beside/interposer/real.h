@@ -9,12 +9,12 @@
 
 namespace interposer {
 
-/* Returns the function of Embree with this name: the next one after this library in the dynamic linker's search order,
- * or the function of a loaded Embree that the program loaded with RTLD_LOCAL. Aborts the program if there is none. */
+/* Returns Embree's function: the next one after this library in the dynamic linker's search order, or that of an Embree
+ * that the program loaded with RTLD_LOCAL, which then stays loaded. Aborts the program if there is none. */
 void* findReal(const char* name);
 
-/* True if the program uses Embree 4, and the environment does not disable this library. Embree 3 has functions of the
- * same names with other arguments; calls are then forwarded unchanged. */
+/* True if the program uses Embree 4, and the environment does not disable this library. Otherwise calls are forwarded
+ * unchanged, because Embree 3 has functions of the same names with other arguments. */
 bool isActive();
 
 } // namespace interposer

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's functions that set properties of a geometry. Each passes the call to Embree and to the substitute.
- * Functions for interpolation and half-edges are not overridden, because the application's handles are Embree's. */
+/* Overrides Embree's functions that set properties of a geometry. Each calls Embree and the substitute. Interpolation
+ * and half-edges need no overrides, because the application's handles are Embree's. */
 
 #include "objects.h"
 
@@ -37,7 +37,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::AppearanceChange);
 }
 
-/* False if Embree rejects the buffer and reports an error. The geometry then keeps its previous buffer. */
+/* False if Embree rejects the buffer, and the geometry keeps its previous one. */
 bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t stride)
 {
