@@ -7,7 +7,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Bounds of a moving block at one time step. Empty if the block has no finite vertex at that step. */
+    /*! Bounds of a moving block at a time step. Empty if no vertex is finite then. */
     struct StepBox
     {
       float lower[3], upper[3];

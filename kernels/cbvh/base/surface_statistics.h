@@ -16,29 +16,29 @@ namespace embree
     /*! RTCCompressionStatistics without structSize; the public header defines the members. Floats are world units. */
     struct CompressionStatistics
     {
-      size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
+      size_t topLevelBytes = 0;        //!< BVH over blocks and grids
       size_t headerBytes = 0;
       size_t nodeBytes = 0;            //!< compressed inner nodes
       size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
       size_t uncompressedBytes = 0;    //!< grids of numUncompressedQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< quads in blocks
-      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by Embree's GRID
-      size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
+      size_t numUncompressedQuads = 0; //!< traced by Embree's GRID
+      size_t numInvalidQuads = 0;      //!< with vertices that are not finite
       size_t numAffineBlocks = 0;      //!< with frames: the projective frame was ill-conditioned
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numFallbackQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
-      size_t numFlippedQuads = 0;      //!< traced normal more than 90 degrees from the vertices' normal
+      size_t numFlippedQuads = 0;      //!< traced normal over 90 degrees from the vertices'
       size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
-      size_t numIrregularQuads = 0;    //!< part of numMeshQuads in no grid of 4 x 4 quads or more
+      size_t numIrregularQuads = 0;    //!< of these, in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps
-      size_t motionBytes = 0;          //!< part of leafBytes for time steps after the first
-      size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
+      size_t motionBytes = 0;          //!< of leafBytes, for time steps after the first
+      size_t numUnsupportedFaces = 0;  //!< left out, as by Embree's subdivision
       /*! Input of compressed geometries that Embree allocated and did not release. */
       size_t inputBytes = 0;
       size_t cacheBytesPerThread = 0;  //!< of a tracing thread; 0 for single surfaces
-      float maxLeafThickness = 0;      //!< largest distance between the bounds of a leaf, over its quad
+      float maxLeafThickness = 0;      //!< largest distance between a leaf's bounds
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
       float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance from the evaluated vertex
       /*! cVERT, cLEAF: largest distance between two faces' evaluations of a vertex. */
@@ -86,12 +86,12 @@ namespace embree
     struct SurfaceStatistics
     {
       CompressionStatistics sums;
-      size_t highRateQuads = 0;    //!< traced by GRID because their edge rates are too high
-      size_t framelessQuads = 0;     //!< stored in full precision, because their block has no valid frame
-      size_t framelessQuadsInGrid = 0;    //!< part of framelessQuads that GRID traces
+      size_t highRateQuads = 0;    //!< traced by GRID because of their edge rates
+      size_t framelessQuads = 0;   //!< in full precision, because their block has no valid frame
+      size_t framelessQuadsInGrid = 0; //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
-      size_t bytesInEmbree = 0;    //!< estimated bytes that Embree's own kernels would need
+      size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };

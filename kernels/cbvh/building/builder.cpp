@@ -227,7 +227,7 @@ namespace embree
         return nodes;
       }
 
-      /*! Builds the tree over moving blocks. Returns the size of its nodes in bytes. */
+      /*! Returns the bytes of its nodes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -264,7 +264,7 @@ namespace embree
         std::cerr << line.text(treeBytes,report->statistics) << std::endl;
       }
 
-      /*! Prints the numbers of faces, quads and blocks that are not stored as requested. */
+      /*! Prints what is not stored as requested. */
       void reportAtVerbosity1 (const Surface& surface) const
       {
         if (!scene->device->verbosity(1)) return;

@@ -85,7 +85,7 @@ namespace embree
         }
       }
 
-      /*! Returns the compressed geometries, such as "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT". */
+      /*! For example "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT". */
       std::string geometries () const
       {
         std::string text;
@@ -101,7 +101,7 @@ namespace embree
       struct Compressed { Names names; size_t count = 0; };
       std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
       cbvh::BuildStatistics all;                                         //!< sum over `compressed`
-      /*! Number of uncompressed primitives, by type and reason. */
+      /*! Uncompressed primitives, by type and reason. */
       std::map<std::pair<std::string,std::string>,size_t> rejected;
       size_t notRequested = 0;                                           //!< subdivision surfaces without a request
     };
