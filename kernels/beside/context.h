@@ -76,12 +76,11 @@ private:
 
 }} // namespace embree::beside
 
-/* A context: a device of the kernels, and the application's error function. */
+/* A device of the kernels, and the application's error function. */
 struct CbvhContextTy : embree::beside::RefCounted
 {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
 
-  /* The device, for functions of the core. */
   embree::Device* embreeDevice() const { return (embree::Device*)device; }
 
   RTCDevice device;
@@ -89,7 +88,7 @@ struct CbvhContextTy : embree::beside::RefCounted
   /* Returns and clears this thread's last error of Embree's API. */
   embree::beside::Failure takeError() const;
 
-  /* Throws the error that takeError() returns, if there is one. */
+  /* Throws the error of takeError(), if there is one. */
   void check() const;
 
   /* Stores an error for cbvhGetErrorText, and notifies the application. */
@@ -122,7 +121,7 @@ private:
  * errors. Returns failure.code. */
 CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
-/* Runs an API function: converts its exceptions to a code, and reports them to the application. */
+/* Runs an API function. Reports its exceptions to the application, and returns their code. */
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of cbvh.h: their extensible versions, and their conversion from and to types of the core. */
+/* Structs of cbvh.h: those that may grow, and conversion from and to types of the core. */
 
 #include "cbvh/cbvh.h"
 
@@ -31,7 +31,7 @@ CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
 
 namespace beside {
 
-/* Converts a camera for dicing. Zeros select defaults. */
+/* Zeros select defaults. */
 inline DicingCamera cameraOf(const CbvhDicing& dicing)
 {
   const DicingCamera defaults;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of a scene in device memory, shared by C++ and GLSL: host/scene.cpp writes it, and shaders read it. A
- * SceneData refers to everything else. Blocks are the same bytes as on the CPU. */
+/* Layout of a scene in device memory, shared by C++ and GLSL: host/scene.cpp writes it, shaders read it. SceneData
+ * refers to everything else. Blocks are the same bytes as on the CPU. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -17,10 +17,10 @@
 
 CBVH_BEGIN
 
-/*! Bytes of a node with four children: a lower and an upper plane per axis and child, and a reference per child. */
+/*! Bytes of a node: per child a lower and an upper plane per axis, and a reference. */
 CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
-/*! Bytes of a moving node: also the planes' motion and each child's time interval. */
+/*! Also with the planes' motion and each child's time interval. */
 CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
 /*! A scene. Addresses are device addresses of arrays. References are defined in base/reference.h. */
@@ -40,7 +40,7 @@ struct SceneData
   CBVH_ADDRESS placed;       //!< PlacedBoxes, indexed by an instance's custom index in topLevel
 };
 
-/*! A leaf for ray queries: a box of a bottom-level acceleration structure. Its index is the box's primitive index. */
+/*! A leaf for ray queries: a box of a bottom-level acceleration structure, indexed by its primitive index. */
 struct LeafBox
 {
   float lower[3], upper[3];

@@ -18,7 +18,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPast = 16;               // bytes after a block that shaders may read, as they read whole words
+constexpr size_t readPast = 16;               // bytes after a block that shaders may read
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
@@ -48,8 +48,8 @@ void requireValid(const FlatBlock& block)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
-/* The bytes of a block to upload. Grids are uploaded without the trees that Embree stores in them, because the scene's
- * tree contains their nodes. */
+/* The bytes of a block to upload. Omits the trees that Embree stores in grids: the scene's tree contains their
+ * nodes. */
 struct BlockUpload
 {
   uint32_t header[gridDataWord];
@@ -78,7 +78,7 @@ size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
   return bytes;
 }
 
-/* Uploads blocks one after the other to as few buffers as possible. expected: bytes of all blocks. */
+/* Uploads blocks to as few buffers as possible. expected: bytes of all blocks. */
 class BlockWriter
 {
 public:
@@ -114,8 +114,7 @@ private:
   size_t rest, used = 0, end = 0;
 };
 
-/* Uploads the blocks of a surface. Uploads each block once, even if the scene contains the surface both directly and in
- * an instanced scene. */
+/* Uploads each block of a surface once, even if the scene contains the surface directly and in an instanced scene. */
 std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
 {
   const auto surface = std::make_shared<UploadedSurface>();

@@ -4,14 +4,13 @@
 #pragma once
 
 /* Blocks in device memory. Scenes on a device share the uploaded blocks of a compressed surface until it is rebuilt.
- * The other blocks belong to the scene that uploads or imports them. */
+ * Other blocks belong to one scene. */
 
 #include "memory.h"
 #include "kernels/cbvh/flat/flat_scene.h"
 
 namespace embree { namespace vulkan {
 
-/* A block of a scene, and its address on the device. */
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;
@@ -41,8 +40,8 @@ struct BlockBuffers
   size_t bytes() const;   // counts shared buffers once
 };
 
-/* Both functions set the addresses of `blocks`. They validate each block that is new to the device, and throw
- * VulkanError if it is damaged, because shaders do not check offsets. */
+/* Both functions set the addresses of `blocks`. They throw VulkanError if a block that is new to the device is damaged,
+ * because shaders do not check offsets. */
 
 /* Imports the host memory that contains the blocks, without a copy. The scene must keep this memory alive. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);

@@ -220,8 +220,8 @@ bool Device::isDone(const Submission& submission) const
   return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY;
 }
 
-/* Waiting can fail because the host is out of memory, while the device still uses the fence, the commands and the
- * caller's buffers. This function therefore retries until the device is done or lost. */
+/* Retries until the device is done or lost: if waiting fails because the host is out of memory, the device still uses
+ * the fence, the commands and the caller's buffers. */
 void Device::waitAndFree(const Submission& submission)
 {
   auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
@@ -292,7 +292,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   return pipeline;
 }
 
-/* Path of the file that keeps compiled pipelines between runs of programs, or "" if there is no cache folder. */
+/* File that keeps compiled pipelines between runs of programs, or "" if there is no cache folder. */
 std::string Device::cachePath() const
 {
   const char* folder = std::getenv("XDG_CACHE_HOME");
@@ -305,7 +305,7 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
-/* FNV-1a hash, which detects truncated and damaged cache files: drivers may crash on them. */
+/* FNV-1a hash, to detect truncated and damaged cache files, on which drivers may crash. */
 uint64_t Device::checksum(const std::vector<char>& data)
 {
   uint64_t sum = 0xcbf29ce484222325;

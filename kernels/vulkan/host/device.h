@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An open Vulkan device with queue, command pool and pipelines: what RTCVulkanDevice refers to. */
+/* RTCVulkanDevice: an open Vulkan device with queue, command pool and pipelines. */
 
 #include "opening.h"
 #include "structures.h"
@@ -19,7 +19,7 @@ namespace embree { namespace vulkan {
 
 enum Query { CLOSEST_HIT, ANY_HIT };
 
-/* An object with a reference count, which starts at 1. release() deletes it with the last reference. Thread-safe. */
+/* Base of objects with a reference count, which starts at 1. Thread-safe. */
 class RefCounted
 {
 public:
@@ -33,7 +33,6 @@ private:
   std::atomic<size_t> users{1};
 };
 
-/* Owns a reference to a RefCounted object. */
 template<typename T>
 class ScopedRef
 {
@@ -57,7 +56,7 @@ public:
   /* Uses a device that the application opened and continues to own. */
   Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles);
 
-  /* Submits the commands that record() records, and waits for them. */
+  /* Submits the commands that record() records, and waits. */
   void run(const std::function<void(VkCommandBuffer)>& record);
 
   /* Commands that the device executes. The caller must pass each submission to waitAndFree. */
@@ -66,7 +65,7 @@ public:
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
   };
-  /* record() must not call functions of this object that submit commands or compile pipelines: the mutex is locked. */
+  /* record() must not submit commands or compile pipelines, because the mutex is locked. */
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
   bool isDone(const Submission& submission) const;
@@ -74,8 +73,8 @@ public:
   /* Waits until a submission is done or the device is lost, and frees it. Never throws. */
   void waitAndFree(const Submission& submission);
 
-  /* Pipeline of trace.comp, compiled on the first call. kinds: mask of the types of references in the scene, to which
-   * the shader is specialized. stackSize: entries of the traversal stack; ignored by ray queries. */
+  /* Pipeline of trace.comp, compiled on the first call. kinds: mask of the types of references, to which the shader is
+   * specialized. stackSize: entries of the traversal stack; ray queries have none. */
   VkPipeline pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 

@@ -87,8 +87,7 @@ struct DeviceFunctions
 
 #undef CBVH_DECLARE
 
-/* Throws VulkanError if `result` is an error. doing: what was being done, for the message, for example "creating a
- * fence". */
+/* Throws VulkanError if `result` is an error. doing: for the message, for example "creating a fence". */
 void check(VkResult result, const std::string& doing);
 
 }} // namespace embree::vulkan

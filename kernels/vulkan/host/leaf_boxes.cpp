@@ -32,7 +32,7 @@ Bounds boundsOfChild(const FlatNode& node, int child)
   return out;
 }
 
-/* Bounds over the child's time interval. Both ends of the interval suffice, because planes move linearly. */
+/* Bounds over the child's time interval. Its ends suffice, because planes move linearly. */
 Bounds boundsOfChild(const FlatMovingNode& node, int child)
 {
   Bounds out = Bounds::empty();
@@ -92,9 +92,9 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* Distance by which boxes must grow because drivers round when they test boxes. (plane - origin)/direction in floats
- * has three roundings, so a plane at distance D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for
- * rays that start 20 times as far away, with a margin for transforming the ray. */
+/* Distance by which boxes must grow for the rounding errors of drivers. (plane - origin)/direction in floats has three
+ * roundings, so a plane at distance D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for rays that
+ * start 20 times as far away, with a margin for transforming the ray. */
 float roundingSlack(const Bounds& all)
 {
   float largest = 0;
@@ -109,8 +109,8 @@ Bounds boundsOf(const std::vector<LeafBox>& boxes)
   return all;
 }
 
-/* Sorts boxes by the Morton codes of their centers, so that neighboring boxes are close in space. Boxes with equal
- * codes are ordered by reference, so that the result is deterministic. all: bounds of the boxes. */
+/* Sorts boxes by the Morton codes of their centers, then by reference, so that the result is deterministic. all: bounds
+ * of the boxes. */
 void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 {
   std::vector<std::pair<uint64_t, LeafBox>> order;

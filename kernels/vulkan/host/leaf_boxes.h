@@ -15,7 +15,6 @@ namespace embree { namespace vulkan {
 
 using cbvh::LeafBox;
 
-/* Boxes of the leaves of one geometry. */
 struct LeafBoxes
 {
   uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangle meshes, because a leaf may contain several
@@ -25,10 +24,9 @@ struct LeafBoxes
   std::vector<VkAabbPositionsKHR> driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const;
 };
 
-/* Key that identifies equal arrays of boxes: their number and a hash. */
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
-/* Leaves below a subtree, each once, without instances. geomIDOf: returns the geomID for a reference to a leaf. */
+/* Leaves below a subtree, each once, without instances. geomIDOf(reference) returns the geomID of a leaf. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);
 

@@ -195,7 +195,7 @@ Slice Arena::allocate(size_t bytes, const char* what)
   bytes = (bytes + 15) & ~size_t(15);
   if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
-    /* Sizes double from 16 KiB to 16 MiB: small scenes need little memory, large scenes need few buffers. */
+    /* Sizes double from 16 KiB to 16 MiB: little memory for small scenes, few buffers for large ones. */
     const size_t size = shared == ~size_t(0) ? size_t(1) << 14 : 2*buffers[shared]->bytes;
     add(std::max(bytes, std::min(size, largest)), what);
     shared = buffers.size() - 1;

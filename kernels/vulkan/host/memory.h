@@ -11,7 +11,6 @@
 
 namespace embree { namespace vulkan {
 
-/* A buffer with its own memory. */
 class Buffer
 {
 public:
@@ -55,16 +54,16 @@ struct Slice
   VkDeviceAddress address() const { return buffer->address + offset; }
 };
 
-/* Writes to buffers: directly if they are mapped, otherwise through a staging buffer. */
+/* Writes to buffers, through a staging buffer if they are not mapped. */
 class Uploader
 {
 public:
   explicit Uploader(Device& device) : device(device) {}
 
-  /* Copies the data at once; the device has it after flush(). offset: in bytes from the start of the slice. */
+  /* Copies the data at once; the device has it after flush(). offset: bytes from the start of the slice. */
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
 
-  /* Completes the writes and waits for the device. */
+  /* Completes the writes and waits. */
   void flush();
 
   size_t written = 0;   // bytes, in total
@@ -78,7 +77,7 @@ private:
 };
 
 /* Allocates slices of shared buffers, aligned to 16 bytes, because devices support few allocations. Large slices get
- * their own buffer. The destructor frees all of them. */
+ * buffers of their own. */
 class Arena
 {
 public:

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Opens Vulkan: finds the loader, creates an instance, and chooses a physical device with the features that tracing
- * needs. */
+/* Finds the Vulkan loader, creates an instance, and chooses a physical device with the required features. */
 
 #include "functions.h"
 #include <embree3/rtcore_vulkan.h>
@@ -15,7 +14,7 @@
 
 namespace embree { namespace vulkan {
 
-/* The installed Vulkan loader and an instance. The constructor throws VulkanError if Vulkan is not installed. */
+/* The Vulkan loader and an instance. The constructor throws VulkanError if Vulkan is not installed. */
 class VulkanInstance
 {
 public:
@@ -62,7 +61,7 @@ Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device)
 /* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which);
 
-/* Creates a device with one compute queue and the features that tracing needs. */
+/* Creates a device with one compute queue and the required features. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

@@ -4,7 +4,7 @@
 #pragma once
 
 /* A scene's acceleration structures for ray queries: a bottom level of boxes (LeafBox) per geometry, and a top level of
- * instances. The driver finds boxes that a ray hits, and shaders/ray_query.glsl intersects their blocks. */
+ * instances. The driver finds boxes, and shaders/ray_query.glsl intersects their blocks. */
 
 #include "leaf_boxes.h"
 #include "memory.h"
@@ -31,8 +31,7 @@ struct QueryStructures
 class QueryStructuresBuilder
 {
 public:
-  /* previous: the scene's structures before it was edited, or NULL. Its bottom levels are updated if possible, which is
-   * faster than a build. */
+  /* previous: the scene's structures before it was edited, which are updated if possible, or NULL. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 
@@ -47,8 +46,8 @@ public:
   /* One per instance, in the order of addInstance. */
   const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
 
-  /* Builds all levels that are not reused, and the top level. Sets the statistics of boxes and structures. arena:
-   * receives the array of instances. */
+  /* Builds all levels that are not reused, and the top level. Sets the statistics of boxes and structures. arena: for
+   * the array of instances. */
   void build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics);
 
 private:

@@ -21,8 +21,8 @@ struct RaysToOrder
   VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
 };
 
-/* Records the sort and a barrier after its last write. The result, sorted pairs (key, index), is at the beginning of
- * scratch. pipelines: from Device::makeOrderPipelines. If it throws, it has recorded nothing. */
+/* Records the sort and a barrier. The result, sorted pairs (key, index), is at the beginning of scratch. pipelines:
+ * from Device::makeOrderPipelines. Records nothing if it throws. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan

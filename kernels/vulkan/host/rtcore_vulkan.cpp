@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The API of include/embree3/rtcore_vulkan.h: validates arguments, calls host/, and reports exceptions to the RTCDevice
- * with which a device was created. */
+/* The API of include/embree3/rtcore_vulkan.h: validates arguments, and reports exceptions to the RTCDevice with which a
+ * device was created. */
 
 #define RTC_EXPORT_API
 
@@ -24,8 +24,8 @@ void embree::core::invalidArgument(const std::string& text) { throw VulkanError(
 
 namespace {
 
-/* Calls the closure. If it throws, reports the exception to the device (NULL: to the calling thread) and returns false.
- * RTC_ERROR_NONE: another device has already reported the error. */
+/* Calls the closure. If it throws, reports the exception to the device (NULL: to the calling thread) and returns
+ * false. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {
@@ -54,7 +54,7 @@ void write(T* to, const T& from, const char* name)
   core::writeStruct(to, from);
 }
 
-/* An application's array of structs, whose size may be that of another version of this API. */
+/* An application's array of structs, which may have the size of another version. */
 class DeviceInfos
 {
 public:

@@ -32,7 +32,7 @@ std::string nameOf(const Part& part, const Part& top, size_t geomID)
   return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
 }
 
-/* True if Embree accepts the vertex. Areas of boxes with larger coordinates would overflow. */
+/* True if Embree accepts the vertex: with larger coordinates, areas of boxes would overflow. */
 bool isVertexInRange(const float* p)
 {
   for (int k = 0; k < 3; k++)
@@ -40,8 +40,8 @@ bool isVertexInRange(const float* p)
   return true;
 }
 
-/* World-space bounds, over all times, of a box in an instance's space. Corners move linearly between time steps, so
- * transforming them at each step suffices. */
+/* World-space bounds, over all times, of a box in an instance's space. Transforming its corners at each step suffices,
+ * because they move linearly in between. */
 Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
@@ -72,8 +72,8 @@ bool isInvertible(const FlatGeometry& instance)
 
 } // namespace
 
-/* Converts a committed scene of Embree to the layout of scene_layout.h, and uploads it. The constructor does
- * everything. A scene and the scenes that it instances are "parts", whose nodes, blocks and geometries share arrays. */
+/* Converts a committed scene of Embree to the layout of scene_layout.h and uploads it, in the constructor. A scene and
+ * the scenes that it instances are "parts", whose nodes, blocks and geometries share arrays. */
 class SceneUpload
 {
 public:
@@ -240,10 +240,9 @@ private:
     }
   }
 
-  /* First elements of a part in the scene's arrays. */
   struct PartOffsets { size_t node, movingNode, cell; };
 
-  /* Appends nodes and cells of part p to the scene's arrays, and renumbers their references. */
+  /* Appends nodes and cells of part p to the scene's arrays. */
   void copyNodes(const FlatScene& flat, size_t p)
   {
     offsets.resize(parts.size());
@@ -266,7 +265,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference in part p to one in the scene's arrays, and adds its type to the scene's kinds. */
+  /* Converts a reference of part p to the scene's arrays, and adds its type to the scene's kinds. */
   uint32_t renumbered(uint32_t reference, size_t p)
   {
     if (reference == emptyReference) return reference;
@@ -280,7 +279,7 @@ private:
 
   /* --- writing --- */
 
-  /* Appends the triangles to `cells`, because both share an array, and adjusts references to triangles. */
+  /* Appends the triangles to `cells`, and adjusts references to them. */
   void appendTriangles()
   {
     if (tree.triangles.empty()) return;
@@ -352,8 +351,7 @@ private:
     size_t level;   // bottom level, in the instanced scene's space
   };
 
-  /* Adds bottom levels and instances of all parts. A moving instance gets its own bottom levels, with boxes for all
-   * times. */
+  /* Adds bottom levels and instances of all parts. Moving instances have bottom levels of their own, for all times. */
   void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
@@ -398,8 +396,8 @@ private:
         geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
       if (p > 0) instancedDepth = std::max(instancedDepth, parts[p].tree.depth);
     }
-    /* Traversal pushes up to three children per node on a path from the root. The result is a multiple of 32, so that
-     * scenes of similar depth share a pipeline. */
+    /* Traversal pushes up to three children per level. A multiple of 32, so that scenes of similar depth share a
+     * pipeline. */
     const uint32_t depth = parts[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A committed scene on a device: what RTCVulkanScene refers to. */
+/* RTCVulkanScene: a committed scene on a device. */
 
 #include "blocks.h"
 #include "query_structures.h"
@@ -12,7 +12,6 @@
 
 namespace embree { namespace vulkan {
 
-/* See RTCVulkanSceneArguments. */
 struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Extensible structs of rtcore_vulkan.h, see core/struct_size.h. This library compiles core/struct_size.cpp, because
- * libembree3 does not export it. The member is the last one of the struct's first version. */
+/* Structs of rtcore_vulkan.h that may grow (core/struct_size.h). The member is the last one of the struct's first
+ * version. This library compiles core/struct_size.cpp, which libembree3 does not export. */
 
 #include "kernels/cbvh/core/struct_size.h"
 

@@ -61,14 +61,13 @@ class Structures
 public:
   std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // Returns NULL if there is none.
   void add(const std::shared_ptr<const BottomLevel>& level);
-  void removeExpired();   // Removes freed levels.
+  void removeExpired();
 
 private:
   mutable std::mutex mutex;
   std::map<BoxesKey, std::weak_ptr<const BottomLevel>> levels;
 };
 
-/* A bottom level that a scene needs. */
 struct LevelRequest
 {
   BoxesKey key;
@@ -79,7 +78,7 @@ struct LevelRequest
 
 struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 
-/* Updates or builds the levels that are NULL, once per key, and adds them to the device's structures. */
+/* Updates or builds the levels that are NULL, once per key, and adds them to the device. */
 BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests);
 
 /* Builds a top level. instances: device address of VkAccelerationStructureInstanceKHR. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Asynchronously traces rays in host memory: what RTCVulkanTrace refers to. */
+/* RTCVulkanTrace: traces rays in host memory asynchronously. */
 
 #include "scene.h"
 
@@ -21,8 +21,7 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits for the trace, and copies the results. rays: receives the rays with their hits. rays and times may be
-   * NULL. */
+  /* Waits, and copies the rays with their hits. rays and times may be NULL. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;

@@ -109,7 +109,6 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* ite
 
 struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
 
-/* Copies the tree of rtcBuildBVH to a Tree. */
 class TreeCopier
 {
 public:
@@ -117,7 +116,7 @@ public:
 
   uint32_t depth = 0;
 
-  /* Copies a subtree, and returns a reference to it. above: number of nodes on the path to it. */
+  /* Returns a reference to the copy of a subtree. above: nodes on the path to it. */
   uint32_t reference(const BuildNode* from, uint32_t above)
   {
     if (!from)

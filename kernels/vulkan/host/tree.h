@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A scene's tree: joins libembree3's trees over blocks with trees over triangles and instances, which rtcBuildBVH
- * builds. */
+/* A scene's tree: libembree3's trees over blocks, and trees over triangles and instances by rtcBuildBVH. */
 
 #include "error.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -36,14 +35,14 @@ struct Subtree
   uint32_t depth = 0;   // nodes on the longest path
 };
 
-/* A triangle or an instance, to build a tree over. Instances have the primID RTC_INVALID_GEOMETRY_ID. */
+/* A triangle, or an instance, whose primID is RTC_INVALID_GEOMETRY_ID. */
 struct Item
 {
   Bounds bounds;
   uint32_t geomID, primID;
 };
 
-/* Throws VulkanError if references cannot represent all indices below `count`. what: the items, for the message. */
+/* Throws VulkanError if references cannot represent all indices below `count`. what: for the message. */
 void requireReferences(size_t count, const char* what);
 
 class Tree
@@ -60,7 +59,7 @@ public:
   /* Adds a node over up to four subtrees, omitting empty ones. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
-  /* Adds a node without children, and returns its index. */
+  /* Returns the index of a new node without children. */
   uint32_t addNode();
 
 private:

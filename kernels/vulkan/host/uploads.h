@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The surfaces whose blocks are on a device, by their build (FlatGeometry::build), for reuse while a scene uses them.
- * Thread-safe. */
+/* Surfaces whose blocks are on a device, by FlatGeometry::build, for reuse while a scene uses them. Thread-safe. */
 
 #include <cstdint>
 #include <map>
@@ -32,7 +31,6 @@ public:
     surfaces[build] = surface;
   }
 
-  /* Removes freed surfaces. */
   void removeExpired()
   {
     std::lock_guard<std::mutex> lock(mutex);

@@ -61,14 +61,13 @@ bool cbvhIsNode (uint type) {
   return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference);
 }
 
-/* True if all framed blocks of the scene (cGRID, cVOXEL and cLEAF) have this kind. The compiler then removes the
- * others' code. */
+/* True if all framed blocks of the scene have this kind. The compiler then removes the code of other kinds. */
 bool cbvhHasOnly (uint kind)
 {
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
-/* Returns a moving node at a time. isPresent: receives true for each child that exists then. */
+/* isPresent: receives true for each child that exists at the time. */
 CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
 {
   CbvhNode now = node.atZero;
@@ -80,13 +79,13 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
   return now;
 }
 
-/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and 2.5 ulps that
- * Vulkan allows for quotients. Embree's robust traversal uses 3 ulps, because its quotients are exact. */
+/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and 2.5 ulps for
+ * Vulkan's quotients. Embree, whose quotients are exact, uses 3 ulps. */
 const float cbvhNodeSlack = 4.0*floatUlp;
 
-/* Returns sorted keys of the children, nearest first. A key contains the bits of the distance, with 3 minus the child's
- * index in the lower two bits; bits of positive floats compare as integers. Missed children have the key 0xFFFFFFFF. Of
- * two children at the same distance, the later one comes first, as in Embree. */
+/* Returns sorted keys of the children, nearest first: the bits of the distance, which compare as integers, with 3 minus
+ * the child's index in the lower two bits; 0xFFFFFFFF for missed children. Of children at the same distance, later ones
+ * come first, as in Embree. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -126,7 +125,7 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
-/* Traverses the scene with a stack. address: of the SceneData. */
+/* address: of the SceneData. */
 bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit)
 {
   hit.t = worldRay.tfar;

@@ -1,11 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF, whose boxes are in a local frame. The headers of
- * kernels/cbvh/framed define their bytes and hits.
+/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF (kernels/cbvh/framed), whose boxes are in a local frame.
  *
- * Traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
- * under. Going up, it decodes a box again along the path from the root, which is faster than a stack of boxes.
+ * Traversal keeps two masks of 4 bits per level: pending children, and those that the ray passes over or under. Going
+ * up, it decodes boxes again along the path from the root, which is faster than a stack of boxes.
  *
  * Children are visited along the ray. Mirrored so that x and y ascend, the order is 0, then 1 and 2 by entry, then 3.
  * Bit i of a mask is child i ^ flip. */
@@ -28,7 +27,7 @@ struct CbvhLocalRay
   float scale;        // 1/largest component of the direction; factor from the segment's distances to the ray's
 };
 
-/* Parameters of the segment at which it enters and leaves the boxes of a node's children. */
+/* Parameters at which the segment enters and leaves the boxes of a node's children. */
 struct CbvhSlabs
 {
   vec4 enter, leave;      // children 0 to 3
@@ -139,7 +138,6 @@ NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
   return box;
 }
 
-/* A hit in a leaf, in the frame. */
 struct CbvhLeafHit
 {
   float s;              // parameter of the segment
@@ -149,8 +147,8 @@ struct CbvhLeafHit
   uint from;            // side from which the ray comes, see leaf/hit_rule.h
 };
 
-/* Stores the hit and returns true if it is nearer than the stored one by the rule of framed/nearest_hit.h, except for
- * the order of faces in that rule. framed: `t` and `own` of that rule for the stored hit. numLeaves: per side. */
+/* Stores the hit and returns true if it is nearer than the stored one by framed/nearest_hit.h, without its order of
+ * faces. framed: that rule's `t` and `own` of the stored hit. numLeaves: per side. */
 bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
                  CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
@@ -340,8 +338,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        /* continues with this hit as if it were the nearest, even if another block has a nearer one, so that hits do
-         * not depend on the order of blocks */
+        /* continues as if this hit were the nearest, so that hits do not depend on the order of blocks */
         if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true;
         if (anyHit) return true;
         best = exit_.s;

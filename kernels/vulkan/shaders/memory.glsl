@@ -36,7 +36,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Cb
 /* A block. geomID: in the block's scene. */
 struct CbvhPointer { uvec2 address; uint geomID; };
 
-/* index: of the block, from a reference. */
 CbvhPointer cbvhPointer (SceneData scene, uint index)
 {
   uvec4 block = CbvhQuadwords(scene.blocks).at[index];

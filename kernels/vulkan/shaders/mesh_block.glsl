@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). First decodes the boxes of all groups. Then,
- * for each group whose box the ray hits, decodes the vertices in the order of the strips, and tests each triangle once
- * its last vertex is decoded. */
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups, then the
+ * vertices of groups whose box the ray hits in the order of the strips, and tests each triangle after its last
+ * vertex. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -14,7 +14,6 @@
 
 CVERT_READABLE(MeshHeader,16)
 
-/* Members of MeshHeader, and offsets of sections. */
 struct CbvhMeshBlock
 {
   uvec2 at;                                        // address
@@ -89,8 +88,8 @@ struct CbvhMeshAxes
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* If a ratio of spacings exceeds 2^30, the sheared coordinate would be inexact, and the ray is not clipped by it. The
- * constant is the exponent. */
+/* Exponent of the largest ratio of spacings for which the sheared coordinate is exact. Beyond, it does not clip
+ * rays. */
 const int cbvhMaxMeshRatio = 30;
 
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)
@@ -150,8 +149,8 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Sets verticesBegin, numbersBegin, cbvhMeshGroups and cbvhMeshEntries. Returns a mask of the groups whose boxes the
- * ray hits. */
+/* Returns a mask of the groups whose boxes the ray hits. Sets verticesBegin, numbersBegin, cbvhMeshGroups and
+ * cbvhMeshEntries. */
 uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float tfar)
 {
   CbvhVertRay vert = cbvhVertRay(ray);
@@ -223,7 +222,7 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   return group;
 }
 
-/* Number of set bits below bit i, which is at most 31. */
+/* i: at most 31. */
 uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
 
 /* Decodes the vertex at position i of the group's stream. */
@@ -293,7 +292,7 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
     + cbvhMeshBits(block, first + baseBits + t*bits, bits);
 }
 
-/* Tests triangle t exactly. Updates `hit` and `nearest` if it is hit. */
+/* Tests triangle t exactly. */
 bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and cells of 2 x 2 quads of GRID.
- * mesh_block.glsl intersects compressed meshes. */
+/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and cells of 2 x 2 quads of
+ * GRID. */
 
 #ifndef CBVH_MESHES_GLSL
 #define CBVH_MESHES_GLSL

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sorts ray indices by origin and direction, so that neighboring threads visit the same blocks. A stable radix sort
+/* Sorts ray indices by origin and direction, so that neighboring threads visit the same blocks: a stable radix sort
  * with digits of 4 bits.
  *
  *   STAGE 0: writes pairs (key, index of a ray)

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* For ray queries and intersection shaders: intersects the leaves whose boxes the driver finds. cbvh.glsl explains how
- * applications use these functions. */
+/* For ray queries and intersection shaders: intersects the leaves whose boxes the driver finds. cbvh.glsl explains the
+ * use. */
 
 #ifndef CBVH_RAY_QUERY_GLSL
 #define CBVH_RAY_QUERY_GLSL
@@ -12,7 +12,7 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
-/* State of a query: the nearest hit so far. */
+/* The nearest hit so far. */
 struct CbvhCandidates
 {
   CbvhHit hit;
@@ -34,7 +34,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
   return hit;
 }
 
-/* Tests the exact box, which is smaller than the driver's. Sets ray.enter. */
+/* Tests the exact box; the driver's is larger. Sets ray.enter. */
 bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -82,8 +82,8 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
   if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
-/* Traces a ray through the library's top level. Scales the direction by a power of two, so that its largest component
- * is in [1,2), without rounding: drivers then need not handle directions of extreme length. */
+/* Traces a ray through the library's top level. A power of two scales the direction's largest component into [1,2),
+ * without rounding, because drivers may not support extreme lengths. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
   CbvhCandidates found = cbvhNoCandidates(ray);
@@ -113,7 +113,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   return isHit;
 }
 
-/* The same as cbvhIntersect and cbvhOccluded, by ray queries. */
+/* cbvhIntersect and cbvhOccluded by ray queries. */
 bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
 
 bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)

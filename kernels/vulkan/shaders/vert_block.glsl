@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a cVERT block by kernels/cvert/rule/rule.h. For static blocks, decodes a row of vertices at a
- * time; for moving blocks, stores the vertices of a group. Tests in float select triangles, which are then tested
- * exactly. */
+/* Intersects a ray with a cVERT block by kernels/cvert/rule/rule.h. Decodes a row of vertices of a static block, or a
+ * group of a moving block, at a time. Tests in float select triangles, which are then tested exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -65,7 +64,7 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
   return mask;
 }
 
-/* Tests a triangle exactly. Updates `hit` and `nearest` if it is hit. h: bit of cbvhTriangles. */
+/* Tests a triangle exactly. h: bit of cbvhTriangles. */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
   uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
@@ -87,7 +86,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, 
   return true;
 }
 
-/* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to visit near groups first. alongX, alongY:
+/* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to be front to back. alongX, alongY:
  * directions of the block's rows and columns in world space. */
 uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
@@ -139,7 +138,6 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
   return found;
 }
 
-/* Intersects a static block. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
@@ -174,7 +172,6 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   return found;
 }
 
-/* Intersects a moving block at the ray's time. */
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {

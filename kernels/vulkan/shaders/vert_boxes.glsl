@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests a ray against a cVERT block's bounds and its groups' boxes. Conservative: planes are exact or interpolated
+/* Tests a ray against a cVERT block's bounds and its groups' boxes, conservatively: planes are exact or interpolated
  * between exact ones, and widened by the slacks of kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_BOXES_GLSL
@@ -12,7 +12,6 @@
 #include "../../cvert/decoder/group_planes.h"
 #include "../../cvert/rule/rule.h"
 
-/* Values of a ray that all tests against boxes use. */
 struct CbvhVertRay
 {
   vec3 rcp;        // reciprocals of the direction, finite

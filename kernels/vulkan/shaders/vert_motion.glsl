@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes a moving cVERT block (kernels/cvert/format/motion.h) at a ray's time, between two steps. The same expression,
- * whose operations round monotonically, interpolates vertices and planes. Planes that bound the vertices at both steps
- * therefore bound them in between. */
+/* Decodes a moving cVERT block (kernels/cvert/format/motion.h) at a ray's time. The same expression, whose operations
+ * round monotonically, interpolates vertices and planes. Planes that bound the vertices at two steps therefore bound
+ * them in between. */
 
 #ifndef CBVH_VERT_MOTION_GLSL
 #define CBVH_VERT_MOTION_GLSL
@@ -52,7 +52,7 @@ bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment seg
 
 /* --- vertices -------------------------------------------------------------------------- */
 
-/* The step at the beginning (e = 0) or end (e = 1) of a segment. */
+/* e: 0 for the beginning, 1 for the end. */
 StepView cbvhEnd (CbvhSegment segment, int e)
 {
   StepView step_ = segment.begin;

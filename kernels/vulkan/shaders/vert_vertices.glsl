@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes vertices of a cVERT block at a time step with the codec's decoder, kernels/cvert/decoder. A static block has
- * one step. */
+/* Decodes vertices of a cVERT block at a time step with kernels/cvert/decoder. A static block has one step. */
 
 #ifndef CBVH_VERT_VERTICES_GLSL
 #define CBVH_VERT_VERTICES_GLSL
@@ -10,7 +9,6 @@
 #include "memory.glsl"
 #include "../../cvert/decoder/cell_vertices.h"
 
-/* Members of VertHeader, and sizes that follow from them. */
 struct CbvhVertBlock
 {
   uvec2 at;                             // address
@@ -42,7 +40,7 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
 vec3 cbvhOrigin (StepView step_) { return vec3(step_.origin[0], step_.origin[1], step_.origin[2]); }
 vec3 cbvhSpacing (StepView step_) { return vec3(step_.spacing.at[0], step_.spacing.at[1], step_.spacing.at[2]); }
 
-/* A defined value for cells that are not used. */
+/* For blocks without cells. */
 CodedCell cbvhNoCell ()
 {
   CodedCell cell;
