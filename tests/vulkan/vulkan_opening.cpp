@@ -193,7 +193,7 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
   }
 }
 
-// Two devices, one of which fails while it is examined.
+// Two devices. The driver of one fails while the device is examined.
 TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices)
 {
   const char* const function = "EnumerateDeviceExtensionProperties";
