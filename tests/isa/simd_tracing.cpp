@@ -478,7 +478,7 @@ TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
   unsigned counts[ENCOUNTERS] = {}, unstable = 0;
   for (int i = 0; i < 20000; i++) {
     const BothSegments segments(random);
-    const simd::FrameRay ray(segments.local);
+    const simd::NodeRay ray(segments.local);
     const uint32_t word = random.bits();
     NodePlanes<4> boxes;
     simd::decodeNode(word, rootBox(), boxes, 0);
@@ -523,7 +523,7 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
   unsigned compared = 0, unstable = 0, counts[2][7] = {};
   for (int i = 0; i < 20000; i++) {
     const BothSegments segments(random);
-    const simd::FrameRay ray(segments.local);
+    const simd::NodeRay ray(segments.local);
     const uint64_t bits = randomHeights(random);
     const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
     const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);

@@ -28,11 +28,11 @@ namespace embree
         {
           LocalRay local;
           if (!local.init(state,block,ray.tfar)) return false;
-          const FrameRay frameRay(local);
+          const NodeRay nodeRay(local);
           const BlockLayout layout = blockLayout(Visitor<RayType>::kind,block->height());
           BlockTiles tiles(block,layout);
-          Visitor<RayType> visitor(ray,context,state,block,layout,local,frameRay,tiles);
-          BlockWalk1<Visitor<RayType>>(frameRay,tiles,visitor).run();
+          Visitor<RayType> visitor(ray,context,state,block,layout,local,nodeRay,tiles);
+          BlockWalk1<Visitor<RayType>>(nodeRay,tiles,visitor).run();
           return visitor.isHit;
         }
       };

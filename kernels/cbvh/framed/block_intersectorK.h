@@ -23,14 +23,14 @@ namespace embree
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               const RayStates<K>& state, const Block* block)
         {
-          FrameRays<K> frameRays;
-          const vbool<K> inside = frameRays.init(state,block,rays.tfar,valid);
+          NodeRays<K> nodeRays;
+          const vbool<K> inside = nodeRays.init(state,block,rays.tfar,valid);
           if (none(inside)) return inside;
           typedef Visitor<K,Rays> BlockVisitor;
           const BlockLayout layout = blockLayout(BlockVisitor::kind,block->height());
           BlockTiles tiles(block,layout);
-          BlockVisitor visitor(rays,context,state,block,layout,frameRays,tiles,inside);
-          BlockWalkK<K,BlockVisitor>(frameRays,tiles,visitor).run(inside);
+          BlockVisitor visitor(rays,context,state,block,layout,nodeRays,tiles,inside);
+          BlockWalkK<K,BlockVisitor>(nodeRays,tiles,visitor).run(inside);
           return visitor.isHit;
         }
       };

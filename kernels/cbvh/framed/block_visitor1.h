@@ -27,15 +27,15 @@ namespace embree
         const Block* block;
         const BlockLayout& layout;
         const LocalRay& local;
-        const FrameRay& frameRay;
+        const NodeRay& nodeRay;
         BlockTiles& tiles;
         float sBest;  //!< s of the ray's nearest hit, or 1: leaves that begin after it are skipped
         bool isHit;   //!< a hit in this block was accepted
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,
                                      const BlockLayout& layout,
-                                     const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
-          : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay),
+                                     const LocalRay& local, const NodeRay& nodeRay, BlockTiles& tiles)
+          : ray(ray), context(context), state(state), block(block), layout(layout), local(local), nodeRay(nodeRay),
             tiles(tiles),
             sBest(ray.tfar < state.tfar ? min(local.parameterAfter(state.rcpScale,ray.tfar),1.0f) : 1.0f),
             isHit(false) {}
@@ -60,7 +60,7 @@ namespace embree
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = {
-            { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },
+            { nodeRay.P[0],nodeRay.P[1],nodeRay.P[2] },{ nodeRay.D[0],nodeRay.D[1],nodeRay.D[2] },
             local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
             state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
           const float own = segment.distanceAt(at.s), t = segment.comparedT(own);

@@ -28,7 +28,7 @@ namespace embree
         const RayStates<K>& state;
         const Block* block;
         const BlockLayout& layout;
-        const FrameRays<K>& frameRays;
+        const NodeRays<K>& nodeRays;
         BlockTiles& tiles;
         vfloat<K> sBest;
         vbool<K> open;   //!< rays that continue
@@ -36,13 +36,13 @@ namespace embree
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
                                      const Block* block, const BlockLayout& layout,
-                                     const FrameRays<K>& frameRays, BlockTiles& tiles, const vbool<K>& valid)
-          : rays(rays), context(context), state(state), block(block), layout(layout), frameRays(frameRays),
+                                     const NodeRays<K>& nodeRays, BlockTiles& tiles, const vbool<K>& valid)
+          : rays(rays), context(context), state(state), block(block), layout(layout), nodeRays(nodeRays),
             tiles(tiles), sBest(1.0f), open(valid), isHit(false)
         {
           const vbool<K> nearer = valid & (rays.tfar < state.tfar);
           if (any(nearer))
-            sBest = select(nearer,min(frameRays.parameterAfter(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
+            sBest = select(nearer,min(nodeRays.parameterAfter(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
         /* Members that BlockWalkK requires; only cLEAF overrides them. */
@@ -53,10 +53,10 @@ namespace embree
 
         /*! Rays that begin (end) inside a leaf's box, at tnear (tfar). */
         __forceinline vbool<K> startInside (const BoxRangesK<K>& box) const {
-          return frameRays.startClipped & (box.sNear < vfloat<K>(zero));
+          return nodeRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
         __forceinline vbool<K> endInside (const BoxRangesK<K>& box) const {
-          return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
+          return nodeRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
         /*! As BlockVisitor1::reportHit, for the rays in `lanes`. */
@@ -93,7 +93,7 @@ namespace embree
       private:
         __forceinline HitRay<vfloat<K>> segments () const
         {
-          const FrameRays<K>& f = frameRays;
+          const NodeRays<K>& f = nodeRays;
           return HitRay<vfloat<K>>{
             { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };

@@ -32,7 +32,7 @@ namespace embree
       {
         typedef typename Visitor::LeafTile LeafTile;
 
-        const FrameRay& ray;
+        const NodeRay& ray;
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last;
@@ -47,7 +47,7 @@ namespace embree
         Level levels[maxLevel/2+1];
 
       public:
-        __forceinline BlockWalk1 (const FrameRay& ray, BlockTiles& tiles, Visitor& visitor)
+        __forceinline BlockWalk1 (const NodeRay& ray, BlockTiles& tiles, Visitor& visitor)
           : ray(ray), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
         /*! Returns true if the visitor ended the walk. */

@@ -28,7 +28,7 @@
  *      Nodes that a ray enters at a greater s are skipped for it. */
 
 #include "block_tiles.h"
-#include "frame_rays.h"
+#include "node_rays.h"
 
 namespace embree
 {
@@ -42,14 +42,14 @@ namespace embree
         typedef typename Visitor::LeafTile LeafTile;
         typedef NodeEntries::Tile Tile;
 
-        const FrameRays<K>& rays;
+        const NodeRays<K>& rays;
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last;
         uint32_t flip;         //!< bits 0 and 1: rays of this walk descend along x and y
 
       public:
-        __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
+        __forceinline BlockWalkK (const NodeRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
           : rays(rays), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
         __forceinline void run (const vbool<K>& lanes)

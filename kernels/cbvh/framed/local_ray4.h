@@ -75,7 +75,7 @@ namespace embree
       static const float slackOfS = 1e-5f;
 
       /*! The part of a ray in a block's box. Products in sums are explicitly fused or not, so that packets compute the
-       *  same bits (frame_rays.h). */
+       *  same bits (node_rays.h). */
       struct LocalRay
       {
         vfloat4 P0, P1;   //!< both ends in the frame; lane 3 is undefined

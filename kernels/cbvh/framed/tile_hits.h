@@ -10,7 +10,7 @@
  * their boxes overlap. A ray can then intersect both; the nearer one is visited first. */
 
 #include "block_tiles.h"
-#include "frame_ray.h"
+#include "node_ray.h"
 
 namespace embree
 {
@@ -55,7 +55,7 @@ namespace embree
 
         /*! Intersects a tile. Returns the intersected children whose children are not decoded: the caller must decode
          *  them and call it again. */
-        __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
+        __forceinline uint32_t set (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
           const BoxMasks children = intersectBoxes<vfloat4>(ray,tile.children,sBest,childRanges);
@@ -83,7 +83,7 @@ namespace embree
         }
 
         /*! For a tile above the root, whose box the ray intersects. */
-        __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
+        __forceinline void setAboveRoot (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
           BoxMasks four = intersectBoxes<vfloat4>(ray,tile.grandchildren,sBest,ranges,4);
@@ -100,7 +100,7 @@ namespace embree
 
         static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! Converts masks of grandchildren to masks of ranks. m: two masks of 16 bits. first: FrameRay::flipXY. */
+        /*! Converts masks of grandchildren to masks of ranks. m: two masks of 16 bits. first: NodeRay::flipXY. */
         static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {

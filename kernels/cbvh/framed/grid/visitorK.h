@@ -42,7 +42,7 @@ namespace embree
             const uint32_t k = uint32_t(bsf(rest));
             if (!intersectLeaf(k,16*m+child)) continue;
             accepted |= 1u << k;
-            s[k] = this->frameRays.parameterAfter(k,this->state.rcpScale[k],this->rays.tfar[k]);
+            s[k] = this->nodeRays.parameterAfter(k,this->state.rcpScale[k],this->rays.tfar[k]);
           }
           this->accept(vbool<K>(int(accepted)));
           this->sBest = select(vbool<K>(int(accepted)),s,this->sBest);

@@ -16,7 +16,7 @@ namespace embree
     {
       /*! Positions in a leaf's box, clamped to 0 to 1, at two values of s. s: lanes 0 and 1 have the first value, lanes
        *  2 and 3 the second. Returns u and v for each. */
-      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
+      __forceinline vfloat4 positionInLeaf (const NodeRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {
         const vfloat4 footprint = vfloat4::load(surfaces.footprint[leaf]);
@@ -27,7 +27,7 @@ namespace embree
       }
 
       /*! ranges: results of the box test. started, ended: see LeafEvent. */
-      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
+      __forceinline Crossing<float> crossDecodedLeaf (const NodeRay& ray, const NodeEntries::LeafTile& tile,
                                                       uint32_t leaf, const BoxRanges<16>& ranges, bool started,
                                                       bool ended)
       {

@@ -38,7 +38,7 @@ namespace embree
         __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
           const Crossing<float> x =
-            crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),
+            crossDecodedLeaf(this->nodeRay,tile,child,ranges,this->startsInside(ranges,child),
               this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
@@ -92,7 +92,7 @@ namespace embree
 
         __noinline bool intersectsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
-          const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRay.epsilonZ };
+          const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->nodeRay.epsilonZ };
           const LipIntersection<float> at =
             intersectLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
           s = between(x,at.k);
@@ -105,7 +105,7 @@ namespace embree
         /*! from: see Verdict. */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
-          const vfloat4 uv = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
+          const vfloat4 uv = positionInLeaf(this->nodeRay,surfaces,child,vfloat4(s));
           const float* h = surfaces.height[child];
           const float u = uv[0], v = uv[1];
           const bool flat = (surfaces.solid >> child) & 1u;

@@ -41,7 +41,7 @@ namespace embree
         vfloat<K> s0, s1, u0, v0, u1, v1, f0, f1, saddle;
         vbool<K> enterAbove, leaveAbove, changes, nearEntry, near, started, ended;
 
-        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf,
+        __forceinline Crossings (const NodeRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf,
                                  const BoxRangesK<K>& box,
                                  const vbool<K>& started, const vbool<K>& ended) : started(started), ended(ended)
         {
@@ -64,7 +64,7 @@ namespace embree
         }
 
         /*! Position in a leaf's box at s: u for axis 0, v for axis 1. */
-        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
+        static __forceinline vfloat<K> position (const NodeRays<K>& rays, int axis, const float footprint[4],
                                                  const vfloat<K>& s)
         {
           const vfloat<K> at =
@@ -83,7 +83,7 @@ namespace embree
         }
 
       private:
-        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s,
+        static __forceinline vfloat<K> over (const NodeRays<K>& rays, const float h[4], const vfloat<K>& s,
                                              const vfloat<K>& u, const vfloat<K>& v)
         {
           const vfloat<K> patch =
@@ -128,7 +128,7 @@ namespace embree
         void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const LeafSurfaces& surfaces = tile.surfaces;
-          const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
+          const Crossings<K> x(this->nodeRays,surfaces,child,box,this->startInside(box),this->endInside(box));
           WalkStates<K> next = state;
           const vbool<K> first = andn(lanes,state.found);
           vbool<K> hit;                  // rays that hit: at the entry, unless `root` or `lip` is set
@@ -188,8 +188,8 @@ namespace embree
         {
           const float* h = surfaces.height[child];
           const float* footprint = surfaces.footprint[child];
-          hits.u = Crossings<K>::position(this->frameRays,0,footprint,hits.s);
-          hits.v = Crossings<K>::position(this->frameRays,1,footprint,hits.s);
+          hits.u = Crossings<K>::position(this->nodeRays,0,footprint,hits.s);
+          hits.v = Crossings<K>::position(this->nodeRays,1,footprint,hits.s);
           hits.slopeX = hits.slopeY = vfloat<K>(zero);
           if (unlikely((surfaces.solid >> child) & 1u)) return;
           hits.slopeX = madd(hits.v,vfloat<K>(h[3]),vfloat<K>(h[1]))*vfloat<K>(footprint[2]);
@@ -228,7 +228,7 @@ namespace embree
           {
             const uint32_t k = uint32_t(bsf(rest));
             const Crossing<float> at = x.at(k);
-            const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRays.epsilonZ[k] };
+            const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->nodeRays.epsilonZ[k] };
             const LipIntersection<float> meeting =
               intersectLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
             s[k] = between(at,meeting.k);

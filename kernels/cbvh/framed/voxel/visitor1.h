@@ -36,7 +36,7 @@ namespace embree
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
-          return clamp((fused(s,this->frameRay.D[axis],this->frameRay.P[axis]) - lower)/(upper-lower),0.0f,1.0f);
+          return clamp((fused(s,this->nodeRay.D[axis],this->nodeRay.P[axis]) - lower)/(upper-lower),0.0f,1.0f);
         }
       };
     }

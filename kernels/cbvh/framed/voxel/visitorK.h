@@ -42,7 +42,7 @@ namespace embree
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
           const vfloat<K> at =
-            (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
+            (madd(s,this->nodeRays.D[axis],this->nodeRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
           return min(max(at,vfloat<K>(zero)),vfloat<K>(1.0f));
         }
       };

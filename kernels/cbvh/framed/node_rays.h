@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* RayState and LocalRay (local_ray4.h) and FrameRay (frame_ray.h) for packets, with one ray per lane. All results have
+/* RayState and LocalRay (local_ray4.h) and NodeRay (node_ray.h) for packets, with one ray per lane. All results have
  * the same bits as those of single rays, so that packets have the same hits. Lanes of inactive rays are undefined. */
 
-#include "frame_ray.h"
+#include "node_ray.h"
 
 namespace embree
 {
@@ -53,11 +53,11 @@ namespace embree
         }
       };
 
-      /*! See LocalRay and FrameRay. */
+      /*! See LocalRay and NodeRay. */
       template<int K>
-      struct FrameRays
+      struct NodeRays
       {
-        vfloat<K> P[3], D[3];                   //!< see FrameRay
+        vfloat<K> P[3], D[3];                   //!< see NodeRay
         vfloat<K> Pnear[3], Pfar[3], rcpD[3];
         vfloat<K> epsilonZ;
         vbool<K> descends[3];
@@ -152,9 +152,9 @@ namespace embree
       {
         vfloat<K> enterXY, leaveXY, enterZ, leaveZ, sNear, sFar;
 
-        /*! flipXY: see FrameRay, the same for all rays. i: box. */
+        /*! flipXY: see NodeRay, the same for all rays. i: box. */
         template<int N>
-        __forceinline void set (const FrameRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
+        __forceinline void set (const NodeRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
         {
           const uint32_t x = flipXY & 1u, y = flipXY >> 1;
           const vfloat<K> lowest(c.at[2][0][i]), highest(c.at[2][1][i]);
@@ -177,7 +177,7 @@ namespace embree
           return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
         }
 
-        /*! See FrameRay::isAbove. */
+        /*! See NodeRay::isAbove. */
         __forceinline vbool<K> isAbove (const vbool<K>& descends) const {
           return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends;
         }

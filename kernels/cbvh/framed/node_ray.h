@@ -15,7 +15,7 @@ namespace embree
     namespace cbvh
     {
       /*! A segment P + s D in the frame of a block, with s from 0 to 1. */
-      struct FrameRay
+      struct NodeRay
       {
         vfloat4 P, D;
         vfloatV Pnear[3], Pfar[3]; //!< P moved by epsilon, so that boxes appear wider; the same in all lanes
@@ -24,7 +24,7 @@ namespace embree
         uint32_t flip;             //!< bit k: the ray descends along axis k
         size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes, which has two rows per axis
 
-        __forceinline FrameRay (const LocalRay& ray)
+        __forceinline NodeRay (const LocalRay& ray)
         {
           P = ray.P0;
           D = ray.P1 - ray.P0;
@@ -92,7 +92,7 @@ namespace embree
       /*! Tests the first `number` boxes against the segment up to sBest. Sets `ranges`. vfloatW: vector type, with at
        *  most vectorWidth lanes. */
       template<typename vfloatW, int N>
-      __forceinline BoxMasks intersectBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest,
+      __forceinline BoxMasks intersectBoxes (const NodeRay& ray, const NodePlanes<N>& c, float sBest,
         BoxRanges<N>& ranges,
                                         int number = N)
       {
