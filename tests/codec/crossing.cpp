@@ -172,14 +172,14 @@ TEST(Crossing, LipIsHitWhereSamplesAreInside)
     const LipIntersection<double> meeting = lip.meet();
     const double outside = leastOf([&](double k) { return lip.outside(k); });
     if (outside <= 0) {
-      ASSERT_TRUE(meeting.met);
+      ASSERT_TRUE(meeting.hit);
     } else if (outside > lip.step()) {
-      ASSERT_FALSE(meeting.met);
+      ASSERT_FALSE(meeting.hit);
     } else {
       undecided++;
     }
-    (meeting.met ? met : missed)++;
-    if (!meeting.met) continue;
+    (meeting.hit ? met : missed)++;
+    if (!meeting.hit) continue;
     ASSERT_GE(meeting.k, 0);
     ASSERT_LE(meeting.k, 1);
     ASSERT_LE(lip.p(meeting.k), lip.width + 1e-12);
@@ -207,7 +207,7 @@ TEST(Crossing, LipIsHitAtFirstOfEntryExitAndVertexWithinReach)
     EXPECT_NEAR(parabolaAt(f, 0.5), entry, 1e-12);
     EXPECT_NEAR(parabolaAt(f, 0.75), vertex, 1e-12);
     const LipIntersection<double> lip = intersectLip(f, p0, p1, Lip<double>{width, reach, epsilon});
-    return lip.met ? lip.k : -1;
+    return lip.hit ? lip.k : -1;
   };
   EXPECT_EQ(place(-0.05, 0.2, -0.05), 0.5);
   EXPECT_EQ(place(0.2, 0.3, -0.05), 1);
@@ -526,7 +526,7 @@ TEST(Crossing, OnlyBorderLeavesHaveLipsAndOnlyAtBorderSides)
         ASSERT_NEAR(k, lip.meet().k, 1e-6);
       }
       if (!isUndecided) {
-        ASSERT_EQ(meeting.met, isMet);
+        ASSERT_EQ(meeting.hit, isMet);
       }
       inner += !border[0] && !border[1] && !border[2] && !border[3];
     }

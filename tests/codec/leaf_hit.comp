@@ -87,7 +87,7 @@ void main ()
     if (v.hit == hitLip) {
       Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, segment.epsilon[2]);
       LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, lip);
-      if (!at.met) continue;
+      if (!at.hit) continue;
       s = x.s0 + at.k*(x.s1 - x.s0);
     }
     state = afterHit(state);

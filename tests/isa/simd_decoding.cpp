@@ -65,7 +65,7 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
       const float* h = surfaces.height[i];
       for (int corner = 0; corner < 4; corner++)
         lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
-      lanes.thickness[c] = 2*surfaces.reach[i];
+      lanes.thickness[c] = 2*surfaces.halfThickness[i];
     }
     else if (heights) {
       EXPECT_EQ((surfaces.solid >> i) & 1, (untouched >> i) & 1) << i;

@@ -574,7 +574,7 @@ const SurfaceIDs ids; // surface numbers are IDs
 
 struct CountedHit
 {
-  float t, own; // the t that is compared, and the t of the hit itself
+  float comparedT, hitT; // see NearestHit
   Block block;
 };
 
@@ -583,9 +583,9 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
 {
   float tfar = INFINITY;
   for (const CountedHit* hit : order) {
-    if (nearest.isBefore(hit->t, hit->own, &hit->block, tfar, ids)) continue;
-    nearest.set(hit->t, hit->own, &hit->block);
-    tfar = hit->t;
+    if (nearest.isBefore(hit->comparedT, hit->hitT, &hit->block, tfar, ids)) continue;
+    nearest.set(hit->comparedT, hit->hitT, &hit->block);
+    tfar = hit->comparedT;
   }
   return tfar;
 }
@@ -594,12 +594,12 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
 TEST(NearestHit, NearestWinsThenFirstBlockInEveryOrder)
 {
   CountedHit hits[7] = {};
-  const struct { float t, own; uint32_t geomID, primID, tiling, info;
+  const struct { float comparedT, hitT; uint32_t geomID, primID, tiling, info;
   } values[7] = {{1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9},
                  {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
   for (int i = 0; i < 7; i++) {
-    hits[i].t = values[i].t;
-    hits[i].own = values[i].own;
+    hits[i].comparedT = values[i].comparedT;
+    hits[i].hitT = values[i].hitT;
     hits[i].block.surface = values[i].geomID;
     hits[i].block.primID = values[i].primID;
     hits[i].block.tiling = values[i].tiling;
@@ -612,7 +612,7 @@ TEST(NearestHit, NearestWinsThenFirstBlockInEveryOrder)
       simd::NearestHit nearest;
       const float tfar = endOfRay(order, nearest);
       ASSERT_EQ(nearest.block, &hits[first].block);
-      ASSERT_EQ(nearest.end(tfar), hits[first].own);
+      ASSERT_EQ(nearest.finalTfar(tfar), hits[first].hitT);
     } while (std::next_permutation(order.begin(), order.end()));
   }
 }
@@ -622,12 +622,12 @@ TEST(NearestHit, EndOfRayIsEndOfItsHit)
 {
   Block block = {};
   simd::NearestHit nearest;
-  EXPECT_EQ(nearest.end(3), 3);
+  EXPECT_EQ(nearest.finalTfar(3), 3);
   EXPECT_TRUE(nearest.isBefore(3, 2.5f, &block, 2, ids));
   EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2, ids));
   nearest.set(2, 1.5f, &block);
-  EXPECT_EQ(nearest.end(2), 1.5f);
-  EXPECT_EQ(nearest.end(1), 1) << "the later hit is nearer";
+  EXPECT_EQ(nearest.finalTfar(2), 1.5f);
+  EXPECT_EQ(nearest.finalTfar(1), 1) << "the later hit is nearer";
 }
 
 } // namespace

@@ -110,7 +110,7 @@ namespace embree
         if (v.hit == hitLip) {
           const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
           const LipIntersection<Real> at = intersectLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
-          if (at.met) s = x.s0 + at.k*(x.s1-x.s0);
+          if (at.hit) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }
         if (v.hit == hitNone) { if (!hadHit) rememberExit(m,x.s1); return; }

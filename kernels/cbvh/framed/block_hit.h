@@ -28,7 +28,7 @@ namespace embree
 
       /*! The part of a ray in a block's box. */
       template<typename Real>
-      struct HitRay
+      struct HitSegment
       {
         Real P[3], D[3];       //!< start and direction of the segment in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
@@ -43,8 +43,8 @@ namespace embree
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! Distance by which NearestHit compares a hit at distance `own`. */
-        __forceinline Real comparedT (const Real& own) const { return min(max(own,enter),tfar); }
+        /*! Distance by which NearestHit compares a hit at distance `hitT`. */
+        __forceinline Real comparedT (const Real& hitT) const { return min(max(hitT,enter),tfar); }
       };
 
       /*! A hit as Embree reports it. */
@@ -56,14 +56,14 @@ namespace embree
       };
 
       template<typename Real, typename Bool>
-      class HitFrame
+      class HitConverter
       {
       public:
-        __forceinline HitFrame (const Block* block, const BlockLayout& layout)
+        __forceinline HitConverter (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
         /*! leaf: index in Morton order. t: distance to report. */
-        __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at,
+        __forceinline BlockHit<Real> convert (const HitSegment<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at,
                                                const Real& t) const
         {
           BlockHit<Real> hit;
@@ -76,7 +76,7 @@ namespace embree
 
       private:
         /*! Sets the world-space normal of the surface, of unit length, mirrored if it should be, see normal.h. */
-        __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
+        __forceinline void setNormal (const HitSegment<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
           for (int k=0; k<3; k++) p[k] = fused(at.s,ray.D[k],ray.P[k]);

@@ -59,20 +59,20 @@ namespace embree
          *  order. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
-          const HitRay<float> segment = {
+          const HitSegment<float> segment = {
             { nodeRay.P[0],nodeRay.P[1],nodeRay.P[2] },{ nodeRay.D[0],nodeRay.D[1],nodeRay.D[2] },
             local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
             state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
-          const float own = segment.distanceAt(at.s), t = segment.comparedT(own);
-          if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
-            SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
+          const float hitT = segment.distanceAt(at.s), comparedT = segment.comparedT(hitT);
+          if (!state.nearest.isBefore(comparedT,hitT,block,ray.tfar,context->scene->surfaceIDs)) {
+            SurfaceHit1 hit = { 0.0f,0.0f,hitT,Vec3fa(zero) };
             if (needsHitData(ray,context,block->surface)) {
-              const BlockHit<float> found = HitFrame<float,bool>(block,layout).blockHit(segment,leaf,at,own);
+              const BlockHit<float> found = HitConverter<float,bool>(block,layout).convert(segment,leaf,at,hitT);
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }
             if (!report(ray,context,block->surface,block->primID,hit)) return false;
-            state.nearest.set(t,own,block);
-            if (!IsAnyHit<RayType>::value) ray.tfar = t;
+            state.nearest.set(comparedT,hitT,block);
+            if (!IsAnyHit<RayType>::value) ray.tfar = comparedT;
             isHit = true;
           }
           sBest = at.s;

@@ -46,37 +46,37 @@ namespace embree
         }
 
         /* Members that BlockWalkK requires; only cLEAF overrides them. */
-        static const bool countsPassed = false;
+        static const bool tracksPassedBoxes = false;
         __forceinline vbool<K> needsPassedBoxes () const { return vbool<K>(false); }
         __forceinline void passBoxes (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! Rays that begin (end) inside a leaf's box, at tnear (tfar). */
-        __forceinline vbool<K> startInside (const BoxRangesK<K>& box) const {
+        __forceinline vbool<K> startsInside (const BoxRangesK<K>& box) const {
           return nodeRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
-        __forceinline vbool<K> endInside (const BoxRangesK<K>& box) const {
+        __forceinline vbool<K> endsInside (const BoxRangesK<K>& box) const {
           return nodeRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
         /*! As BlockVisitor1::reportHit, for the rays in `lanes`. */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
-          const HitRay<vfloat<K>> segment = segments();
-          const vfloat<K> own = segment.distanceAt(hits.s), t = segment.comparedT(own);
+          const HitSegment<vfloat<K>> segment = segments();
+          const vfloat<K> hitT = segment.distanceAt(hits.s), comparedT = segment.comparedT(hitT);
           vbool<K> counts = lanes;
-          const vbool<K> front = lanes & inFront(lanes,t,own);
+          const vbool<K> front = lanes & precedes(lanes,comparedT,hitT);
           if (any(front)) {
             const vbool<K> accepted = front & report(rays,front,context,block->surface,block->primID,[&] {
               const BlockHit<vfloat<K>> hit =
-                HitFrame<vfloat<K>,vbool<K>>(block,layout).blockHit(segment,leaf,hits,own);
+                HitConverter<vfloat<K>,vbool<K>>(block,layout).convert(segment,leaf,hits,hitT);
               return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
             });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              state.nearest[k].set(t[k],own[k],block);
+              state.nearest[k].set(comparedT[k],hitT[k],block);
             }
-            if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
+            if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,comparedT,rays.tfar);
             accept(accepted);
             counts = andn(lanes,andn(front,accepted));
           }
@@ -91,21 +91,22 @@ namespace embree
         }
 
       private:
-        __forceinline HitRay<vfloat<K>> segments () const
+        __forceinline HitSegment<vfloat<K>> segments () const
         {
           const NodeRays<K>& f = nodeRays;
-          return HitRay<vfloat<K>>{
+          return HitSegment<vfloat<K>>{
             { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! Rays whose hits take precedence over their current hits. t, own: see NearestHit. */
-        __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
+        /*! Rays whose hits take precedence over their current hits. comparedT, hitT: see NearestHit. */
+        __forceinline vbool<K> precedes (const vbool<K>& lanes, const vfloat<K>& comparedT, const vfloat<K>& hitT) const
         {
-          vbool<K> front = t < rays.tfar;
-          for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
+          vbool<K> front = comparedT < rays.tfar;
+          for (uint32_t rest=uint32_t(movemask(lanes & (comparedT == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!state.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k],context->scene->surfaceIDs)) set(front,k);
+            const SurfaceIDs& ids = context->scene->surfaceIDs;
+            if (!state.nearest[k].isBefore(comparedT[k],hitT[k],block,rays.tfar[k],ids)) set(front,k);
           }
           return front;
         }

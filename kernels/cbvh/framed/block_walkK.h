@@ -20,7 +20,7 @@
  *      Called if the rays in `lanes` pass over (above is true) or under an entire subtree.
  *    vbool<K> needsPassedBoxes ()
  *      Rays for which passBoxes() must be called. May change.
- *    bool countsPassed
+ *    bool tracksPassedBoxes
  *      Constant. False if the two functions above must not be called.
  *    vbool<K> open
  *      Rays that continue.
@@ -80,28 +80,28 @@ namespace embree
           __forceinline Visits (const BlockWalkK& walk, const NodePlanes<N>& planes, uint32_t firstNode,
                                 uint32_t present, const vbool<K>& lanes) : number(0)
           {
-            vbool<K> met[4];
+            vbool<K> visitors[4];
             for (uint32_t i=0; i<4; i++) {
               if (likely(present == 15u) || (present >> i) & 1u) {
                 box[i].set(walk.rays,walk.flip,planes,firstNode+i);
-                met[i] = lanes & (Visitor::countsPassed ? box[i].overlapsXY(walk.visitor.sBest)
+                visitors[i] = lanes & (Visitor::tracksPassedBoxes ? box[i].overlapsXY(walk.visitor.sBest)
                   : box[i].intersects(walk.visitor.sBest));
               }
-              else met[i] = vbool<K>(false);
+              else visitors[i] = vbool<K>(false);
             }
             const uint32_t a = walk.flip ^ 1u, b = walk.flip ^ 2u;
-            add(walk.flip,met[walk.flip]);
-            const vbool<K> swapped = met[a] & met[b] & (box[b].sNear < box[a].sNear);
+            add(walk.flip,visitors[walk.flip]);
+            const vbool<K> swapped = visitors[a] & visitors[b] & (box[b].sNear < box[a].sNear);
             if (likely(none(swapped))) {
-              add(a,met[a]);
-              add(b,met[b]);
+              add(a,visitors[a]);
+              add(b,visitors[b]);
             }
             else {
-              add(a,met[a] & !swapped);
-              add(b,met[b]);
+              add(a,visitors[a] & !swapped);
+              add(b,visitors[b]);
               add(a,swapped);
             }
-            add(walk.flip ^ 3u,met[walk.flip ^ 3u]);
+            add(walk.flip ^ 3u,visitors[walk.flip ^ 3u]);
           }
 
           __forceinline void add (uint32_t i, const vbool<K>& rays)
@@ -116,7 +116,7 @@ namespace embree
         __forceinline vbool<K> intersectBox (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
-          if (Visitor::countsPassed) {
+          if (Visitor::tracksPassedBoxes) {
             const vbool<K> passed = andn(active,hit) & visitor.needsPassedBoxes();
             if (any(passed)) visitor.passBoxes(box.isAbove(rays.descends[2]),passed);
           }

@@ -249,10 +249,10 @@ namespace embree
       return true;
     }
 
-    /*! Sets reach to the vertices' largest distance from the box's center on each axis of the frame. Returns false if W
-     *  is not positive or a distance is not finite. center: position of the frame's center relative to the origin. */
-    inline bool reachOf(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
-      double reach[3])
+    /*! Sets `distance` to the vertices' largest distance from the box's center on each axis of the frame. Returns false
+     *  if W is not positive or a distance is not finite. center: the frame's center relative to the vertices' origin. */
+    inline bool centerDistances(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
+      double distance[3])
     {
       const FrameLanes lanes(frame.columns);
       Double4 farthest = 0.0;
@@ -265,8 +265,8 @@ namespace embree
       }
       double far[4];
       farthest.store(far);
-      for (int k=0; k<3; k++) reach[k] = far[k];
-      return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
+      for (int k=0; k<3; k++) distance[k] = far[k];
+      return positive & 8 && std::isfinite(distance[0]) && std::isfinite(distance[1]) && std::isfinite(distance[2]);
     }
 
     /*! Rounds a map to floats. Dropping the constants shifts the rounded center to (1/2,1/2,1/2). The map is then
@@ -287,14 +287,14 @@ namespace embree
           frame.columns[1][k] = float(rows[k].y);
           frame.columns[2][k] = float(rows[k].z);
         }
-        double reach[3];
-        if (!reachOf(frame,rounded,vertices,count,reach)) return false;
+        double distance[3];
+        if (!centerDistances(frame,rounded,vertices,count,distance)) return false;
         bool inside = true;
         for (int k=0; k<3; k++) {
-          if (reach[k] <= 0.5 - 0.5*frameMargin) continue;
+          if (distance[k] <= 0.5 - 0.5*frameMargin) continue;
           inside = false;
           /* x - 1/2 = (X - W/2)/W: scales the numerator. */
-          const double s = (0.5-frameMargin)/reach[k];
+          const double s = (0.5-frameMargin)/distance[k];
           rows[k] = s*rows[k] + (0.5*(1-s))*rows[3];
         }
         if (inside) return isInvertible(frame);

@@ -44,7 +44,7 @@ namespace embree
         }
 
         /*! Returns the ray's final tfar, see NearestHit. Must be called after the traversal. */
-        __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
+        __forceinline float finalTfar (float tfar) const { return state.nearest.finalTfar(tfar); }
 
       private:
         RayState state;

@@ -39,7 +39,9 @@ namespace embree
         }
 
         /*! Sets the final tfar of rays. Must be called after the traversal. */
-        __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
+        __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const {
+          state.setFinalTfar(valid,tfar);
+        }
 
       private:
         RayStates<K> state;

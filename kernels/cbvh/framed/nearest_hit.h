@@ -25,24 +25,24 @@ namespace embree
        *  blocks. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< distance by which hits are compared
-        float own = pos_inf; //!< distance of the hit itself
+        float comparedT = pos_inf; //!< distance by which hits are compared
+        float hitT = pos_inf;      //!< distance of the hit itself
         const Block* block = nullptr;
 
         /*! True if the current hit takes precedence over another one. tfar: the ray's current one; its hit can be of
          *  another kind than blocks with frames. */
-        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
+        __forceinline bool isBefore (float otherComparedT, float otherHitT, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
-          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
-            || (otherOwn == own && block && !hasPrecedence(other,block,ids));
+          return likely(otherComparedT < tfar) ? false : otherComparedT > tfar || otherHitT > hitT
+            || (otherHitT == hitT && block && !hasPrecedence(other,block,ids));
         }
 
-        __forceinline void set (float t, float own, const Block* block) {
-          this->t = t; this->own = own; this->block = block;
+        __forceinline void set (float comparedT, float hitT, const Block* block) {
+          this->comparedT = comparedT; this->hitT = hitT; this->block = block;
         }
 
         /*! Returns the ray's final tfar: the hit's own distance, if the ray's nearest hit is this one. */
-        __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
+        __forceinline float finalTfar (float tfar) const { return block && tfar == comparedT ? hitT : tfar; }
 
       private:
         static bool hasPrecedence (const Block* a, const Block* b, const SurfaceIDs& ids)

@@ -25,7 +25,7 @@ namespace embree
       /*! Lower x and y of each leaf's box, and reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3] at (u,v) in the box
-      float reach[16];                //!< half the thickness of each leaf, in z
+      float halfThickness[16];        //!< half the thickness of each leaf, in z
       uint32_t solid, empty;          //!< masks of leaves, see LeafPatch
     };
 

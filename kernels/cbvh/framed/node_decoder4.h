@@ -87,7 +87,7 @@ namespace embree
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
           storeByLeaf(madd(bin,q[0],base),bin*a,bin*b,bin*twist,surfaces.height);
-          vfloat4::store(surfaces.reach+first,vfloat4(0.5f*thickness)*bin);
+          vfloat4::store(surfaces.halfThickness+first,vfloat4(0.5f*thickness)*bin);
         }
 
         /*! solid, empty: masks of the four leaves. */
@@ -115,9 +115,9 @@ namespace embree
           const vfloat4 bin(latticeRange/float(latticeBins)*extent), base(lower - 0.5f*(latticeRange-1.0f)*extent);
           const float thickness = latticeThickness(word >> latticeThicknessShift);
           storeSurfaces(q,bin,base,thickness);
-          const vfloat4 reach = vfloat4(0.5f*thickness)*bin;
-          const vfloat4 lowest  = max(madd(bin,min(min(q[0],q[1]),min(q[2],q[3])),base)-reach,vfloat4(lower));
-          const vfloat4 highest = min(madd(bin,max(max(q[0],q[1]),max(q[2],q[3])),base)+reach,vfloat4(lower+extent));
+          const vfloat4 half = vfloat4(0.5f*thickness)*bin;
+          const vfloat4 lowest  = max(madd(bin,min(min(q[0],q[1]),min(q[2],q[3])),base)-half,vfloat4(lower));
+          const vfloat4 highest = min(madd(bin,max(max(q[0],q[1]),max(q[2],q[3])),base)+half,vfloat4(lower+extent));
           vfloat4::store(boxes.at[2][0]+first,lowest);
           vfloat4::store(boxes.at[2][1]+first,max(lowest,highest));
           setLeaves(0,0);

@@ -38,12 +38,12 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
-        /*! Sets the final tfar of rays, see NearestHit::end. */
-        __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
+        /*! Sets the final tfar of rays, see NearestHit::finalTfar. */
+        __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            tfar[k] = nearest[k].end(tfar[k]);
+            tfar[k] = nearest[k].finalTfar(tfar[k]);
           }
         }
 

@@ -72,8 +72,8 @@ namespace embree
           all.passed |= uint32_t(nodeTables.firstOfFour[children.passed]) << first;
           setPlaces(all,first);
 
-          const uint32_t met = children.hit | children.passed;
-          if (unlikely(((met >> a) & (met >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
+          const uint32_t either = children.hit | children.passed;
+          if (unlikely(((either >> a) & (either >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
             swaps |= childSwap;
             // exchanges the ranks of children 1 and 2, in both halves
             ranks = (ranks & 0xF00FF00Fu) | (ranks & 0x00F000F0u) << 4 | (ranks & 0x0F000F00u) >> 4;

@@ -64,7 +64,7 @@ namespace embree
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,cbvh::StaticNodes(),ray,leaves);
-        ray.tfar = leaves.state.framed.end(ray.tfar);
+        ray.tfar = leaves.state.framed.finalTfar(ray.tfar);
       }
 
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)

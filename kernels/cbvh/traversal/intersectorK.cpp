@@ -47,7 +47,7 @@ namespace embree
       }
 
       /*! Sets the rays' final tfar, see NearestHit. Must be called after the traversal. */
-      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
+      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.setFinalTfar(valid,rays.tfar); }
 
     private:
       /*! Updates tfar. hit: rays that accepted a hit. */

@@ -30,7 +30,7 @@ namespace embree
         __forceinline void setEnter (float) {}
         template<typename RayType>
         __forceinline bool intersect (RayType&, IntersectContext*, const void*) { return false; }
-        __forceinline float end (float tfar) const { return tfar; }
+        __forceinline float finalTfar (float tfar) const { return tfar; }
       };
 #endif
 

@@ -22,7 +22,7 @@ namespace embree
         __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) {
           return vbool<K>(false);
         }
-        __forceinline void end (const vbool<K>&, vfloat<K>&) const {}
+        __forceinline void setFinalTfar (const vbool<K>&, vfloat<K>&) const {}
       };
     }
   }

@@ -386,7 +386,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         if (v.hit == hitLip) {
           Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
           LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
-          hitsLeaf = at.met;
+          hitsLeaf = at.hit;
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
         if (hitsLeaf && !(state.found && !(s < best))) {

@@ -34,24 +34,24 @@ CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   if (q == Real(0)) return Real(0); // b, d and f0 are 0
-  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
-  if (k == kept || f.saddle == Real(0)) return kept;
+  Real k = -f.f0/q, clamped = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
+  if (k == clamped || f.saddle == Real(0)) return clamped;
   /* rounding can move either root out of [0,1] */
-  Real other = q/f.saddle, otherKept = clampToUnit(other);
-  return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
+  Real other = q/f.saddle, otherClamped = clampToUnit(other);
+  return magnitude(k-clamped) <= magnitude(other-otherClamped) ? clamped : otherClamped;
 }
 
-/*! The lip of a block's side, see hit_rule.h. It extends up to `reach` below the patch, within `width` of the side.
+/*! The lip of a block's side, see hit_rule.h. It extends up to `depth` below the patch, within `width` of the side.
  *  width is a fraction of the leaf's box. epsilon: z component of the ray's epsilon, see local_ray.h. */
 CVERT_REAL struct Lip
 {
-  Real width, reach, epsilon;
+  Real width, depth, epsilon;
 };
 
 CVERT_REAL struct LipIntersection
 {
-  bool met; //!< the ray intersects the lip
-  Real k;   //!< position in the lip; if !met, the first position near the side
+  bool hit; //!< the ray intersects the lip
+  Real k;   //!< position in the lip; if !hit, the first position near the side
 };
 
 /*! Intersects a ray with a lip. p0, p1: distance of the ray from the side at entry and exit, in fractions of the box.
@@ -60,7 +60,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabo
   CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipIntersection) at;
-  at.met = false;
+  at.hit = false;
   at.k = Real(0);
   Real k0 = Real(0), k1 = Real(1);
   if (p0 > lip.width) {
@@ -73,7 +73,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabo
   Real vertex = Real(0.5f) + Real(0.5f)*(f.f1-f.f0)/(isBent ? f.saddle : Real(1));
   bool hasVertex = isBent && vertex > k0 && vertex < k1;
   Real lowest = Real(beyondAll), highest = Real(-beyondAll);
-  Real bottom = -(lip.reach+lip.epsilon);
+  Real bottom = -(lip.depth+lip.epsilon);
   bool inside = false;
   at.k = k0;
   for (int i=0; i<3; i++)
@@ -85,7 +85,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabo
     highest = greater(highest,value);
     if (!inside && value <= lip.epsilon && value >= bottom) { inside = true; at.k = k; }
   }
-  at.met = lowest <= lip.epsilon && highest >= bottom;
+  at.hit = lowest <= lip.epsilon && highest >= bottom;
   return at;
 }
 
@@ -163,13 +163,13 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF
   uint32_t last, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipIntersection) at;
-  at.met = false;
+  at.hit = false;
   at.k = Real(0);
   for (int side=0; side<4; side++)
   {
     uint32_t cell = side < 2 ? leafX : leafY;
     bool upper = (side & 1) != 0;
-    if (at.met || cell != (upper ? last : 0u)) continue;
+    if (at.hit || cell != (upper ? last : 0u)) continue;
     Real p0 = side < 2 ? x.u0 : x.v0, p1 = side < 2 ? x.u1 : x.v1;
     if (upper) { p0 = Real(1)-p0; p1 = Real(1)-p1; }
     at = intersectLip(x.f,p0,p1,lip);

@@ -56,7 +56,7 @@ namespace embree
         if (ray.leave(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
         x.event.enter = above0 ? sideAbove : sideBelow;
         x.event.leave = above1 ? sideAbove : sideBelow;
-        const float reach = surfaces.reach[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
+        const float reach = surfaces.halfThickness[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
         x.event.nearEntry = f0 <= reach;
         x.event.near = x.event.changes || min(f0,f1) <= fused(0.25f,std::fabs(x.f.saddle),reach);
         return x;

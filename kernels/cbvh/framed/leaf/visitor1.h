@@ -42,7 +42,8 @@ namespace embree
               this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
-          if (hitsLeaf(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
+          if (hitsLeaf(v.hit,x,tile.surfaces.halfThickness[child],16*m+child,s)
+              && !(state.found && !(s < this->sBest))) {
             if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,v.from)))) return true;
             if (state.found) return false;
           }
@@ -81,22 +82,22 @@ namespace embree
 
         /*! Returns true if the ray hits the leaf, and sets s. hit: Verdict::hit. number: of the leaf in Morton
          *  order. */
-        __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number,
+        __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float halfThickness, uint32_t number,
                                      float& s) const
         {
           if (hit == hitNone) return false;
-          if (unlikely(hit == hitLip)) return intersectsLips(x,reach,number,s);
+          if (unlikely(hit == hitLip)) return intersectsLips(x,halfThickness,number,s);
           s = hit == hitRoot ? between(x,parabolaRoot(x.f)) : x.s0;
           return true;
         }
 
-        __noinline bool intersectsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
+        __noinline bool intersectsLips (const Crossing<float>& x, float halfThickness, uint32_t number, float& s) const
         {
-          const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->nodeRay.epsilonZ };
+          const Lip<float> lip = { borderWidthOf(this->block->info),halfThickness,this->nodeRay.epsilonZ };
           const LipIntersection<float> at =
             intersectLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
           s = between(x,at.k);
-          return at.met;
+          return at.hit;
         }
 
         /*! s at position k of a crossing. */

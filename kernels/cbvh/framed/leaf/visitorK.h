@@ -58,7 +58,7 @@ namespace embree
           changes = enterAbove ^ leaveAbove;
           enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.descends[2],enterAbove);
           leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.descends[2],leaveAbove);
-          const vfloat<K> reach = vfloat<K>(surfaces.reach[leaf]) + rays.epsilonZ;
+          const vfloat<K> reach = vfloat<K>(surfaces.halfThickness[leaf]) + rays.epsilonZ;
           nearEntry = abs(f0) <= reach;
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
         }
@@ -104,7 +104,7 @@ namespace embree
       public:
         typedef NodeEntries::LeafTile LeafTile;
         static const uint32_t kind = kindLeaf;
-        static const bool countsPassed = true;
+        static const bool tracksPassedBoxes = true;
 
         template<typename... Args>
         // hits in other blocks do not shorten the walk, see LeafVisitor1
@@ -128,7 +128,7 @@ namespace embree
         void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const LeafSurfaces& surfaces = tile.surfaces;
-          const Crossings<K> x(this->nodeRays,surfaces,child,box,this->startInside(box),this->endInside(box));
+          const Crossings<K> x(this->nodeRays,surfaces,child,box,this->startsInside(box),this->endsInside(box));
           WalkStates<K> next = state;
           const vbool<K> first = andn(lanes,state.found);
           vbool<K> hit;                  // rays that hit: at the entry, unless `root` or `lip` is set
@@ -163,7 +163,8 @@ namespace embree
               const Crossing<float> at = x.at(k);
               hits.s[k] = between(at,parabolaRoot(at.f));
             }
-            if (unlikely(any(lip))) hit = andn(hit,raysMissingLips(lip,x,surfaces.reach[child],16*m+child,hits.s));
+            if (unlikely(any(lip)))
+              hit = andn(hit,raysMissingLips(lip,x,surfaces.halfThickness[child],16*m+child,hits.s));
             hit = andn(hit,andn(state.found,hits.s < this->sBest));
           }
           state.assign(first,next);
@@ -220,19 +221,19 @@ namespace embree
         }
 
         /*! Returns the rays of `lanes` that intersect no lip. Sets s of the others. */
-        __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
-                                             vfloat<K>& s) const
+        __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float halfThickness,
+                                             uint32_t leaf, vfloat<K>& s) const
         {
           uint32_t missed = 0;
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
           {
             const uint32_t k = uint32_t(bsf(rest));
             const Crossing<float> at = x.at(k);
-            const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->nodeRays.epsilonZ[k] };
-            const LipIntersection<float> meeting =
+            const Lip<float> lip = { borderWidthOf(this->block->info),halfThickness,this->nodeRays.epsilonZ[k] };
+            const LipIntersection<float> intersection =
               intersectLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
-            s[k] = between(at,meeting.k);
-            if (!meeting.met) missed |= 1u << k;
+            s[k] = between(at,intersection.k);
+            if (!intersection.hit) missed |= 1u << k;
           }
           return vbool<K>(int(missed));
         }

@@ -27,7 +27,7 @@ namespace embree
           hits.s = max(box.sNear,vfloat<K>(zero));
           // the first of hits at the same distance is accepted, in the order of the walk
           const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
-          const vbool<K> hit = andn(lanes & nearer,this->startInside(box));
+          const vbool<K> hit = andn(lanes & nearer,this->startsInside(box));
           if (none(hit)) return;
           hits.u = position(tile.grandchildren,0,child,hits.s);
           hits.v = position(tile.grandchildren,1,child,hits.s);
