@@ -39,7 +39,7 @@ TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
     EXPECT_EQ(leaf.bytes, headerBytes + (height ? 4*nodes + 2*quads : 12));
     EXPECT_EQ(grid.bytes, headerBytes + 4*groups + 4*(3*width*width + 3));
     for (const BlockLayout& layout : {grid, voxel, leaf}) {
-      EXPECT_EQ(layout.leafOffset, headerBytes + 4*layout.nodes);
+      EXPECT_EQ(layout.leafOffset, headerBytes + 4*layout.numNodes);
       EXPECT_EQ(layout.leafOffset + layout.leafBytes, layout.bytes);
       EXPECT_EQ(layout.bytes % 4, 0u);
       EXPECT_EQ(layout.stride % 16, 0u);

@@ -95,7 +95,7 @@ void expectInside(const Sheet& sheet, const Frame& frame)
 void expectBounded(const Frame& frame)
 {
   auto row = [&](int k, double d) {
-    return embree::cbvh::Form{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d};
+    return embree::cbvh::LinearForm{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d};
   };
   const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), frame.projective};
   for (int i = 0; i < 8; i++) {

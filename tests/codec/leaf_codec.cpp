@@ -265,7 +265,8 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
           const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
           ASSERT_TRUE(encoded);
           const Block* block = encoded.get();
-          const uint32_t quads = 1u << height, levels = block->layout().nodeLevels, cells = block->layout().leaves;
+          const uint32_t quads = 1u << height, levels = block->layout().nodeLevels,
+                         cells = block->layout().leavesPerSide;
           for (int s = 0; s < 4; s++) {
             const Side side(encoded.frame(), quads, vertices, s/2, s % 2);
             for (uint32_t i = 0; i < cells; i++) {

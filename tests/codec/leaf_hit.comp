@@ -68,7 +68,7 @@ void main ()
   if (!segment.valid || !hasGroups(kindOf(header.info))) return;
 
   WalkState state = startOfWalk();
-  uint groups = sizes.leaves*sizes.leaves/4u;
+  uint groups = sizes.leavesPerSide*sizes.leavesPerSide/4u;
   for (uint leaf = 0u; leaf < 4u*groups; leaf++)
   {
     uint m = leaf/4u;
@@ -86,7 +86,7 @@ void main ()
     float s = v.hit == hitRoot ? x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0) : x.s0;
     if (v.hit == hitLip) {
       Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, segment.epsilon[2]);
-      LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, lip);
+      LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leavesPerSide - 1u, lip);
       if (!at.hit) continue;
       s = x.s0 + at.k*(x.s1 - x.s0);
     }
@@ -99,7 +99,7 @@ void main ()
     vec3 normal = vec3(n.x[0], n.x[1], n.x[2]);
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
     if (isMirrored(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
-    float size = float(1u << heightOf(header.info))/float(sizes.leaves); // size of a leaf in quads
+    float size = float(1u << heightOf(header.info))/float(sizes.leavesPerSide); // size of a leaf in quads
     float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling),
                                 heightOf(header.info), size*(float(mortonX(leaf)) + u));
     float faceV = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling),

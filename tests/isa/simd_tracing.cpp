@@ -161,10 +161,10 @@ public:
     block->info = blockInfo(uint32_t(kind), height, random.below(blocks), random.below(blocks));
     block->tiling = blockTiling(blocks - 1, blocks - 1, 0, 0);
     const BlockLayout layout = block->layout();
-    for (uint32_t i = 0; i < layout.nodes; i++) block->nodes()[i] = random.bits();
+    for (uint32_t i = 0; i < layout.numNodes; i++) block->nodes()[i] = random.bits();
     if (kind != Kind::LEAF) return;
     block->info |= random.below(4) << 28;
-    for (uint32_t i = 0; i < layout.leaves*layout.leaves/4; i++) {
+    for (uint32_t i = 0; i < layout.leavesPerSide*layout.leavesPerSide/4; i++) {
       const uint64_t heights = randomHeights(random);
       std::memcpy(block->leaves() + 8*i, &heights, 8);
       if (!(heights >> 63)) block->nodes()[nodesOfLevels(layout.nodeLevels - 1) + i] = randomLatticeWord(random);

@@ -109,7 +109,7 @@ namespace embree
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
         if (v.hit == hitLip) {
           const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
-          const LipIntersection<Real> at = intersectLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
+          const LipIntersection<Real> at = intersectLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leavesPerSide-1,lip);
           if (at.hit) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }
@@ -171,7 +171,7 @@ namespace embree
       /*! x, y: in leaves, relative to the corner of the block */
       Hit hitOf (uint32_t m, Real t, Real x, Real y) const
       {
-        const Real size = Real(1u << block->height())/Real(layout.leaves); // size of a leaf in quads
+        const Real size = Real(1u << block->height())/Real(layout.leavesPerSide); // size of a leaf in quads
         Hit at;
         at.found = true;
         at.t = t;
@@ -212,7 +212,7 @@ namespace embree
       /*! the triangles (00,10,01) and (01,10,11) of every quad of a leaf */
       void gridLeaf (uint32_t m)
       {
-        const uint32_t quads = (1u << block->height())/layout.leaves;
+        const uint32_t quads = (1u << block->height())/layout.leavesPerSide;
         for (uint32_t y=quads*mortonY(m); y<quads*(mortonY(m)+1); y++)
           for (uint32_t x=quads*mortonX(m); x<quads*(mortonX(m)+1); x++) {
             triangle(m,corner(x,y),corner(x+1,y),corner(x,y+1));
@@ -232,7 +232,7 @@ namespace embree
         const Real u = dot(cross(p,e2),n)/n2, v = dot(cross(e1,p),n)/n2;
         const Real slack = Real(1e-9); // rounding in double
         if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar) return;
-        const Real leafQuads = Real(1u << block->height())/Real(layout.leaves);
+        const Real leafQuads = Real(1u << block->height())/Real(layout.leavesPerSide);
         Hit at = hitOf(m,t,(a.x + u*(b.x-a.x) + v*(c.x-a.x))/leafQuads,(a.y + u*(b.y-a.y) + v*(c.y-a.y))/leafQuads);
         for (int k=0; k<3; k++) at.Ng[k] = n.x[k];
         take(at);

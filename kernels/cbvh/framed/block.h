@@ -32,8 +32,8 @@ CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 struct BlockLayout
 {
   uint32_t nodeLevels;
-  uint32_t leaves;      //!< number of leaves along a side
-  uint32_t nodes;       //!< number of node words
+  uint32_t leavesPerSide;
+  uint32_t numNodes;    //!< number of node words
   uint32_t leafOffset;  //!< in bytes from the start of the block
   uint32_t leafBytes;
   uint32_t bytes;       //!< of the block, a multiple of 4
@@ -47,10 +47,10 @@ CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
   BlockLayout sizes;
   sizes.nodeLevels = height > leafLevels ? height - leafLevels : 0u;
   if (sizes.nodeLevels < kindFormats[kind].minNodeLevels) sizes.nodeLevels = kindFormats[kind].minNodeLevels;
-  sizes.leaves = 1u << sizes.nodeLevels;
-  sizes.nodes = nodesOfLevels(sizes.nodeLevels);
-  sizes.leafOffset = blockHeaderBytes + 4u*sizes.nodes;
-  sizes.leafBytes = kindFormats[kind].groupBytes*sizes.leaves*sizes.leaves/4u
+  sizes.leavesPerSide = 1u << sizes.nodeLevels;
+  sizes.numNodes = nodesOfLevels(sizes.nodeLevels);
+  sizes.leafOffset = blockHeaderBytes + 4u*sizes.numNodes;
+  sizes.leafBytes = kindFormats[kind].groupBytes*sizes.leavesPerSide*sizes.leavesPerSide/4u
                    + kindFormats[kind].vertexBytes*width*width + kindFormats[kind].padding;
   sizes.bytes = sizes.leafOffset + sizes.leafBytes;
   sizes.stride = (sizes.bytes + blockAlignment-1u) & ~(blockAlignment-1u);

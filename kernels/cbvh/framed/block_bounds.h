@@ -32,7 +32,7 @@ namespace embree
       const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
       const double sides[2] = { box.lower[2],upperOf(box,2) };
       Double4 rcp[2];
-      auto form = [&](const Form& f, Double4 out[2]) {
+      auto form = [&](const LinearForm& f, Double4 out[2]) {
         const Double4 xy = f.n.x*columns + f.n.y*rows;
         for (int i=0; i<2; i++) out[i] = xy + f.n.z*sides[i] + f.d;
       };

@@ -120,7 +120,7 @@ namespace embree
       const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
 
       /*! True if all vertices are finite. */
-      bool isWhole() const { return allFinite; }
+      bool areAllFinite() const { return allFinite; }
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
@@ -129,15 +129,15 @@ namespace embree
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
         size_t bytes = 0;
-        auto take = [&](size_t n) {
+        auto allocate = [&](size_t n) {
           const uintptr_t p = uintptr_t(scratch) + bytes;
           bytes += (n+15) & ~size_t(15);
           return p;
         };
-        boxes  = (ExactBox*)take(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
-        local  = (double(*)[4])take(points*sizeof(*local));
-        fitted = (Double3*)take(points*sizeof(Double3));
-        finite = (float(*)[3])take(points*3*sizeof(float));
+        boxes  = (ExactBox*)allocate(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
+        local  = (double(*)[4])allocate(points*sizeof(*local));
+        fitted = (Double3*)allocate(points*sizeof(Double3));
+        finite = (float(*)[3])allocate(points*3*sizeof(float));
         return bytes;
       }
 

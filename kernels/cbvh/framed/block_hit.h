@@ -60,7 +60,7 @@ namespace embree
       {
       public:
         __forceinline HitConverter (const Block* block, const BlockLayout& layout)
-          : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
+          : block(block), leafSize(float(1u << block->height())/float(layout.leavesPerSide)) {}
 
         /*! leaf: index in Morton order. t: distance to report. */
         __forceinline BlockHit<Real> convert (const HitSegment<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at,

@@ -41,38 +41,38 @@ namespace embree
         __forceinline Tile& tile (int level, uint32_t m)
         {
           const uint32_t number = numberOf(level,m);
-          Tile& at = cache.tile(block,number);
-          if (unlikely(at.block != block || at.number != number)) decodeChildren(at,level,m);
-          return at;
+          Tile& tile = cache.tile(block,number);
+          if (unlikely(tile.block != block || tile.number != number)) decodeChildren(tile,level,m);
+          return tile;
         }
 
         /*! Returns a tile of the last level of cLEAF, with decoded children. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
-          LeafTile& at = cache.leafTile(block,number);
-          if (unlikely(at.block != block || at.number != number)) decodeChildren(at,lastLevel(),m);
-          return at;
+          LeafTile& tile = cache.leafTile(block,number);
+          if (unlikely(tile.block != block || tile.number != number)) decodeChildren(tile,lastLevel(),m);
+          return tile;
         }
 
         /*! True if the slot still contains the tile `number` of this block, and the grandchild `child` is decoded. */
-        __forceinline bool has (const Tile& at, uint32_t number) const {
-          return at.block == block && at.number == number;
+        __forceinline bool isCached (const Tile& tile, uint32_t number) const {
+          return tile.block == block && tile.number == number;
         }
-        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const {
-          return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
+        __forceinline bool isDecoded (const Tile& tile, uint32_t number, uint32_t child) const {
+          return isCached(tile,number) && (tile.decoded >> (child >> 2)) & 1u;
         }
 
         /*! Decodes the grandchildren below the children in `mask` if necessary. */
-        __forceinline void need (Tile& at, uint32_t mask)
+        __forceinline void ensureDecoded (Tile& tile, uint32_t mask)
         {
-          mask &= ~at.decoded;
-          if (unlikely(mask != 0)) decodeGrandchildren(at,mask);
+          mask &= ~tile.decoded;
+          if (unlikely(mask != 0)) decodeGrandchildren(tile,mask);
         }
-        __forceinline void need (LeafTile& at, uint32_t mask)
+        __forceinline void ensureDecoded (LeafTile& tile, uint32_t mask)
         {
-          mask &= ~at.decoded;
-          if (unlikely(mask != 0)) decodeLeaves(at,mask);
+          mask &= ~tile.decoded;
+          if (unlikely(mask != 0)) decodeLeaves(tile,mask);
         }
 
       private:
@@ -82,19 +82,19 @@ namespace embree
         }
 
         /*! Index of the word of the tile's first child. */
-        static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
+        static __forceinline uint32_t firstChild (const Tile& tile) { return tile.number == 0 ? 0 : 4*tile.number-3; }
 
-        __noinline void decodeChildren (Tile& at, int level, uint32_t m)
+        __noinline void decodeChildren (Tile& tile, int level, uint32_t m)
         {
           if (level == firstLevel()) prefetchWords();
           if (level >= 0) {
             const NodeBox box = boxOf(level,m); // may replace the tile in the same slot
-            decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,at.children,0);
+            decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,tile.children,0);
           }
-          at.block = block;
-          at.number = numberOf(level,m);
-          at.decoded = 0;
-          at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
+          tile.block = block;
+          tile.number = numberOf(level,m);
+          tile.decoded = 0;
+          tile.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
         /*! Prefetches a block that was not visited recently, because its accesses depend on each other, so that nothing
@@ -106,7 +106,7 @@ namespace embree
         }
 
         /*! Sets the only grandchild of a tile above a root that is a leaf. The others do not exist (Tile::present). */
-        static __forceinline void setRootAlone (NodePlanes<16>& out)
+        static __forceinline void setRootBox (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
             vfloat4::store(out.at[axis][0],vfloat4(zero));
@@ -114,8 +114,8 @@ namespace embree
           }
         }
 
-        static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) {
-          return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c);
+        static __forceinline NodeBox boxOfChild (const Tile& tile, uint32_t c) {
+          return unlikely(tile.isAboveRoot()) ? rootBox() : boxAt(tile.children,c);
         }
 
         /*! Box of node m, from the tile two levels above. */
@@ -123,32 +123,32 @@ namespace embree
         {
           if (level == 0) return rootBox();
           Tile& parent = tile(level-2,m >> 4);
-          need(parent,1u << ((m & 15u) >> 2));
+          ensureDecoded(parent,1u << ((m & 15u) >> 2));
           return boxAt(parent.grandchildren,m & 15u);
         }
 
-        __noinline void decodeGrandchildren (Tile& at, uint32_t mask)
+        __noinline void decodeGrandchildren (Tile& tile, uint32_t mask)
         {
-          if (unlikely(nodeLevels == 0)) setRootAlone(at.grandchildren);
+          if (unlikely(nodeLevels == 0)) setRootBox(tile.grandchildren);
           else for (uint32_t rest=mask; rest; rest&=rest-1) {
             const uint32_t c = uint32_t(bsf(rest));
-            decodeNode(block->nodes()[firstChild(at)+c],boxOfChild(at,c),at.grandchildren,4*c);
+            decodeNode(block->nodes()[firstChild(tile)+c],boxOfChild(tile,c),tile.grandchildren,4*c);
           }
-          at.decoded |= mask;
+          tile.decoded |= mask;
         }
 
-        __noinline void decodeLeaves (LeafTile& at, uint32_t mask)
+        __noinline void decodeLeaves (LeafTile& tile, uint32_t mask)
         {
-          const uint32_t firstGroup = firstChild(at) - nodesOfLevels(uint32_t(nodeLevels-1));
+          const uint32_t firstGroup = firstChild(tile) - nodesOfLevels(uint32_t(nodeLevels-1));
           for (uint32_t rest=mask; rest; rest&=rest-1)
           {
             const uint32_t c = uint32_t(bsf(rest));
             uint64_t bits;
             memcpy(&bits,heights + 8*size_t(firstGroup+c),8);
-            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,
-              boxOfChild(at,c));
+            GroupDecoder4(tile.grandchildren,tile.surfaces,4*c).decode(block->nodes()[firstChild(tile)+c],bits,
+              boxOfChild(tile,c));
           }
-          at.decoded |= mask;
+          tile.decoded |= mask;
         }
 
         NodeCache& cache;

@@ -58,14 +58,14 @@ namespace embree
           open(*l,level,0);
           while (true)
           {
-            const uint32_t events = l->hits.events(visitor.passedMask);
-            if (events == 0) {
+            const uint32_t toVisit = l->hits.ranksToVisit(visitor.passedMask);
+            if (toVisit == 0) {
               if (level == first) return false;
               level -= 2;
               l--;
               continue;
             }
-            const uint32_t rank = uint32_t(bsf(events)), child = l->hits.grandchild(rank);
+            const uint32_t rank = uint32_t(bsf(toVisit)), child = l->hits.grandchild(rank);
             if (unlikely(!l->hits.removeUpTo(rank))) {
               if (visitor.passSubtree(isAbove(*l,level,child))) return true;
               continue;
@@ -94,10 +94,11 @@ namespace embree
         __forceinline void intersectTile (Tile& tile, Level& l)
         {
           if (unlikely(tile.isAboveRoot())) {
-            tiles.need(tile,1u);
-            l.hits.setAboveRoot(ray,tile,visitor.sBest);
+            tiles.ensureDecoded(tile,1u);
+            l.hits.intersectAboveRoot(ray,tile,visitor.sBest);
           }
-          else while (const uint32_t missing = l.hits.set(ray,tile,visitor.sBest)) tiles.need(tile,missing);
+          else while (const uint32_t missing = l.hits.intersect(ray,tile,visitor.sBest))
+            tiles.ensureDecoded(tile,missing);
           l.tile = &tile;
           l.number = tile.number;
         }
@@ -106,14 +107,14 @@ namespace embree
          *  replaced it in the cache. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
-          if (unlikely(!tiles.has(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
+          if (unlikely(!tiles.isDecoded(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
         /*! As above, with decoded children only. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
-          if (unlikely(!tiles.has(*l.tile,l.number))) decodeAgain(l,level,0u);
+          if (unlikely(!tiles.isCached(*l.tile,l.number))) decodeAgain(l,level,0u);
           return *l.tile;
         }
 
@@ -121,12 +122,12 @@ namespace embree
         {
           if (level == last) {
             LeafTile& tile = visitor.leafTile(l.m);
-            tiles.need(tile,mask);
+            tiles.ensureDecoded(tile,mask);
             l.tile = &tile;
           }
           else {
             NodeEntries::Tile& tile = tiles.tile(level,l.m);
-            tiles.need(tile,mask);
+            tiles.ensureDecoded(tile,mask);
             l.tile = &tile;
           }
         }

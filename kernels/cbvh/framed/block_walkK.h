@@ -152,7 +152,7 @@ namespace embree
             const vbool<K> hit = intersectBox(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // may be evicted
+              if (unlikely(!tiles.isDecoded(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // may be evicted
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else intersectTile(level+2,16*m+4*c+i,hit);
@@ -168,11 +168,11 @@ namespace embree
         {
           if (level == last) {
             LeafTile& tile = visitor.leafTile(m);
-            tiles.need(tile,1u << c);
+            tiles.ensureDecoded(tile,1u << c);
             return tile;
           }
           Tile& tile = tiles.tile(level,m);
-          tiles.need(tile,1u << c);
+          tiles.ensureDecoded(tile,1u << c);
           return tile;
         }
       };

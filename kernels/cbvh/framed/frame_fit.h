@@ -132,9 +132,9 @@ namespace embree
       const double det = m[0][0]*q[0][0] + m[0][1]*q[1][0] + m[0][2]*q[2][0];
       if (!(std::fabs(det) > 0)) return false;
 
-      auto form = [&](int r) { return Form{ (q[r][0]/det)*plane.e1 + (q[r][1]/det)*plane.e2, q[r][2]/det }; };
+      auto form = [&](int r) { return LinearForm{ (q[r][0]/det)*plane.e1 + (q[r][1]/det)*plane.e2, q[r][2]/det }; };
       map.X = form(0); map.Y = form(1); map.W = form(2);
-      map.Z = Form{ plane.n, -0.25*(dot(p[0],plane.n)+dot(p[1],plane.n)+dot(p[2],plane.n)+dot(p[3],plane.n)) };
+      map.Z = LinearForm{ plane.n, -0.25*(dot(p[0],plane.n)+dot(p[1],plane.n)+dot(p[2],plane.n)+dot(p[3],plane.n)) };
       map.projective = true;
       return true;
     }
@@ -154,10 +154,10 @@ namespace embree
         m01 = m10 = 0;
       }
       const double r = 1.0/(m00*m11 - m01*m10);
-      map.X = Form{ (r*m11)*plane.e1 + (-r*m01)*plane.e2, 0 };
-      map.Y = Form{ (-r*m10)*plane.e1 + (r*m00)*plane.e2, 0 };
-      map.Z = Form{ plane.n, 0 };
-      map.W = Form{ {0,0,0}, 1 };
+      map.X = LinearForm{ (r*m11)*plane.e1 + (-r*m01)*plane.e2, 0 };
+      map.Y = LinearForm{ (-r*m10)*plane.e1 + (r*m00)*plane.e2, 0 };
+      map.Z = LinearForm{ plane.n, 0 };
+      map.W = LinearForm{ {0,0,0}, 1 };
       map.projective = false;
     }
 
@@ -220,12 +220,13 @@ namespace embree
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
         + vertices.worldExtent;
       const double w0 = map.W({0,0,0}) > 0 ? map.W({0,0,0}) : vertices.maxW;
-      const double floor = maximum(maximum(minExtentRatio*vertices.worldExtent,coordinate*std::ldexp(1.0,-22)),1e-30);
-      Form* forms[3] = { &map.X, &map.Y, &map.Z };
+      const double minSize =
+        maximum(maximum(minExtentRatio*vertices.worldExtent,coordinate*std::ldexp(1.0,-22)),1e-30);
+      LinearForm* forms[3] = { &map.X, &map.Y, &map.Z };
       bool degenerate = false;
       for (int k=0; k<3; k++)
       {
-        const double minExtent = floor*length(forms[k]->n)/w0, extent = vertices.upper[k]-vertices.lower[k];
+        const double minExtent = minSize*length(forms[k]->n)/w0, extent = vertices.upper[k]-vertices.lower[k];
         const double grow = maximum(vertexRounding*coordinate*norm1(forms[k]->n)/w0,0.5*(minExtent-extent));
         if (k < 2 && minExtent > extent) degenerate = true;
         vertices.lower[k] -= grow; vertices.upper[k] += grow;
@@ -250,7 +251,7 @@ namespace embree
     }
 
     /*! Sets `distance` to the vertices' largest distance from the box's center on each axis of the frame. Returns false
-     *  if W is not positive or a distance is not finite. center: the frame's center relative to the vertices' origin. */
+     *  if W is not positive or a distance is not finite. center: the frame's center, relative to the origin. */
     inline bool centerDistances(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
       double distance[3])
     {
@@ -354,9 +355,9 @@ namespace embree
       if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
       /* A square in the same plane works for all known vertices. */
-      map.X = Form{ plane.e1, 0 };
-      map.Y = Form{ plane.e2, 0 };
-      map.Z = Form{ plane.n, 0 };
+      map.X = LinearForm{ plane.e1, 0 };
+      map.Y = LinearForm{ plane.e2, 0 };
+      map.Z = LinearForm{ plane.n, 0 };
       return fitBox(map,origin,scratch,count,farthest,frame);
     }
   }}

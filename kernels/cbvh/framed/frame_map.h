@@ -16,19 +16,19 @@ namespace embree
   namespace cbvh { inline namespace CBVH_ISA
   {
     /*! The linear form n.p + d. */
-    struct Form
+    struct LinearForm
     {
       Double3 n;
       double d;
       double operator()(const Double3& p) const { return dot(n,p) + d; }
-      friend Form operator+(const Form& a, const Form& b) { return {a.n+b.n, a.d+b.d}; }
-      friend Form operator*(double s, const Form& a) { return {s*a.n, s*a.d}; }
+      friend LinearForm operator+(const LinearForm& a, const LinearForm& b) { return {a.n+b.n, a.d+b.d}; }
+      friend LinearForm operator*(double s, const LinearForm& a) { return {s*a.n, s*a.d}; }
     };
 
     /*! A map to homogeneous coordinates: x = X/W, y = Y/W, z = Z/W. projective: false if W is constant. */
     struct FrameMap
     {
-      Form X, Y, Z, W;
+      LinearForm X, Y, Z, W;
       bool projective;
     };
 
@@ -72,7 +72,7 @@ namespace embree
     /*! Solves X = x W, Y = y W, Z = z W for the world point p. Returns false if no finite p exists. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
-      const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
+      const LinearForm a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
       const Double3 bc = cross(b.n,c.n), ca = cross(c.n,a.n), ab = cross(a.n,b.n);
       const double det = dot(a.n,bc);
       if (!(std::fabs(det) > 0)) return false;
@@ -83,7 +83,7 @@ namespace embree
     /*! The map of a block from world points relative to its center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
-      auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
+      auto row = [&](int k, double d) { return LinearForm{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
       return { row(0,0.5),row(1,0.5),row(2,0.5),row(3,1),true };
     }
     inline FrameMap frameMap(const Block* block) { return frameMap(block->columns); }
@@ -92,7 +92,7 @@ namespace embree
      *  linear forms of the position in the frame. */
     struct InverseFrame
     {
-      Form numerator[3], rcpW;
+      LinearForm numerator[3], rcpW;
 
       InverseFrame() : rcpW{ {0,0,0}, 1 } {}
 
@@ -107,7 +107,7 @@ namespace embree
           sample[i][0] = p.x*r; sample[i][1] = p.y*r; sample[i][2] = p.z*r; sample[i][3] = r;
         }
         auto form = [&](int k) {
-          return Form{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] },
+          return LinearForm{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] },
             sample[0][k] };
         };
         for (int k=0; k<3; k++) numerator[k] = form(k);

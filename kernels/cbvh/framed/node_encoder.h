@@ -50,7 +50,7 @@ namespace embree
 
     /*! Returns a plane pair. outer, inner: masks of the codes whose planes contain the children. Selects the tightest:
      *  the highest outer and the lowest inner code. */
-    inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
+    inline uint32_t makePlanePair(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
@@ -61,7 +61,7 @@ namespace embree
     {
       const Float4 l = lower, e = extent;
       const Double4 o = outer - containmentSlack, i = inner - containmentSlack;
-      return pairOf((Double4(l + outerOffsets()*e) <= o).bits(),
+      return makePlanePair((Double4(l + outerOffsets()*e) <= o).bits(),
                     (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits()
                       | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
@@ -71,16 +71,16 @@ namespace embree
     {
       const Float4 l = lower, e = extent;
       const Double4 o = outer + containmentSlack, i = inner + containmentSlack;
-      return pairOf((o <= Double4(l + (Float4(1.0f)-outerOffsets())*e)).bits(),
+      return makePlanePair((o <= Double4(l + (Float4(1.0f)-outerOffsets())*e)).bits(),
                     (i <= Double4(l + innerPositions(0)*e)).bits()
                       | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
     /*! The eight z intervals in a parent, from the smallest to the largest. */
-    class IntervalsOf
+    class ZIntervals
     {
     public:
-      IntervalsOf(const NodeBox& parent)
+      ZIntervals(const NodeBox& parent)
       {
         const Float4 l = parent.lower[2], e = parent.extent[2];
         const Interval a = zInterval(4), b = zInterval(5), c = zInterval(6), d = zInterval(7), f = zInterval(3),
@@ -120,7 +120,7 @@ namespace embree
         node |= encodeUpperPair(l,e,std::max(c.upper[axis],d.upper[axis]),std::max(a.upper[axis],b.upper[axis]))
           << upperShift(axis);
       }
-      const IntervalsOf intervals(parent);
+      const ZIntervals intervals(parent);
       for (int c=0; c<4; c++)
         node |= intervals.smallest(children[c].lower[2],children[c].upper[2]) << (zShift + zBits*c);
       return node;

@@ -24,7 +24,7 @@ namespace embree
         __forceinline TileHits () {}
 
         /*! Mask of ranks to visit. passedMask: all bits to include ranks that the ray passes, otherwise 0. */
-        __forceinline uint32_t events (uint32_t passedMask) const {
+        __forceinline uint32_t ranksToVisit (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
 
@@ -55,7 +55,7 @@ namespace embree
 
         /*! Intersects a tile. Returns the intersected children whose children are not decoded: the caller must decode
          *  them and call it again. */
-        __forceinline uint32_t set (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
+        __forceinline uint32_t intersect (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
           const BoxMasks children = intersectBoxes<vfloat4>(ray,tile.children,sBest,childRanges);
@@ -70,7 +70,7 @@ namespace embree
           }
           const uint32_t first = ray.flipXY(), a = 1u^first, b = 2u^first;
           all.passed |= uint32_t(nodeTables.firstOfFour[children.passed]) << first;
-          setPlaces(all,first);
+          setRanks(all,first);
 
           const uint32_t either = children.hit | children.passed;
           if (unlikely(((either >> a) & (either >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
@@ -83,13 +83,13 @@ namespace embree
         }
 
         /*! For a tile above the root, whose box the ray intersects. */
-        __forceinline void setAboveRoot (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
+        __forceinline void intersectAboveRoot (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
           BoxMasks four = intersectBoxes<vfloat4>(ray,tile.grandchildren,sBest,ranges,4);
           four.hit &= tile.present;
           four.passed &= tile.present;
-          setPlaces(four,ray.flipXY());
+          setRanks(four,ray.flipXY());
           swapOverlapping();
         }
 
@@ -115,7 +115,7 @@ namespace embree
         }
 
         /*! Sets ranks in the order of directions. first: as above. */
-        __forceinline void setPlaces (const BoxMasks& masks, uint32_t first)
+        __forceinline void setRanks (const BoxMasks& masks, uint32_t first)
         {
           flip = first | first << 2;
           swaps = 0u;

@@ -275,7 +275,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   {
     if (!isOnSegment(rangeInBox(local.segment, box, 3))) return false;
     if (kind == kindGrid)
-      return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, 0u, anyHit, hit);
+      return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, 0u, anyHit, hit);
     if (kind == kindVoxel) {
       Range range = rangeInBox(local.segment, box, 3);
       if (local.segment.startClipped && range.lower < 0.0) return false;
@@ -339,7 +339,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
         /* continues as if this hit were the nearest, so that hits do not depend on the order of blocks */
-        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true;
+        if (cbvhReport(header, block.geomID, ray, local, layout_.leavesPerSide, exit_, hit, framed)) found = true;
         if (anyHit) return true;
         best = exit_.s;
         state = afterHit(state);
@@ -359,7 +359,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       uint leaf = 4u*m + uint(child);
       if (kind == kindGrid)
       {
-        if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, leaf, anyHit, hit)) continue;
+        if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, leaf, anyHit, hit)) continue;
         found = true;
         if (anyHit) return true;
         best = cbvhParameterAfter(local.segment, hit.t*rcpScale);
@@ -369,7 +369,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         float s = max(slabs.enter[child], 0.0);
         if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
         if (found ? !(s < best) : !(s <= best)) continue; // accepts the first of equal distances
-        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
+        if (cbvhReport(header, block.geomID, ray, local, layout_.leavesPerSide,
                        cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown),
                        hit, framed)) found = true;
         if (anyHit) return true;
@@ -385,12 +385,12 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
         if (v.hit == hitLip) {
           Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
-          LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
+          LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leavesPerSide - 1u, lip);
           hitsLeaf = at.hit;
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
         if (hitsLeaf && !(state.found && !(s < best))) {
-          if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
+          if (cbvhReport(header, block.geomID, ray, local, layout_.leavesPerSide,
                          cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
           if (anyHit) return true;
           best = s;

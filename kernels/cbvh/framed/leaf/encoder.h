@@ -32,7 +32,7 @@ namespace embree
       /*! As above, for the children of a node, groups m to m+3. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
-        if (!geometry.isWhole()) {
+        if (!geometry.areAllFinite()) {
           for (uint32_t c=0; c<4; c++) words[c] = group(m+c,boxes[c]);
           return;
         }

@@ -57,7 +57,7 @@ namespace embree
         for (int i=0; i<3; i++) quad[i] = a[(i+1)%3]*b[(i+2)%3] - a[(i+2)%3]*b[(i+1)%3];
         auto dot = [](const Double4 p[3], const Double4 q[3]) { return p[0]*q[0] + p[1]*q[1] + p[2]*q[2]; };
         const Double4 leaf2 = dot(leaf,leaf), quad2 = dot(quad,quad), cosine = dot(leaf,quad);
-        const Form& w = geometry.inverse.rcpW;
+        const LinearForm& w = geometry.inverse.rcpW;
         const Double4 rcpW = x[0]*w.n.x + x[1]*w.n.y + x[2]*w.n.z + w.d;
 
         const double room = 1-1e-6;

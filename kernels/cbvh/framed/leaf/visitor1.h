@@ -63,7 +63,7 @@ namespace embree
         __noinline bool reportExit (uint32_t from)
         {
           LeafTile& tile = leafTile(exitM);
-          this->tiles.need(tile,1u << (exitChild >> 2));
+          this->tiles.ensureDecoded(tile,1u << (exitChild >> 2));
           return accept(this->reportHit(16*exitM+exitChild,leafHit(tile.surfaces,exitChild,exitS,from)));
         }
 
@@ -95,7 +95,7 @@ namespace embree
         {
           const Lip<float> lip = { borderWidthOf(this->block->info),halfThickness,this->nodeRay.epsilonZ };
           const LipIntersection<float> at =
-            intersectLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
+            intersectLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leavesPerSide-1,lip);
           s = between(x,at.k);
           return at.hit;
         }

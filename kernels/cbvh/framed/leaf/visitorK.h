@@ -204,7 +204,7 @@ namespace embree
           {
             const uint32_t k = uint32_t(bsf(rest)), leaf = uint32_t(exitLeaf[k]);
             LeafTile& tile = leafTile(leaf >> 4);
-            this->tiles.need(tile,1u << ((leaf >> 2) & 3u));
+            this->tiles.ensureDecoded(tile,1u << ((leaf >> 2) & 3u));
             LeafHits<K> hits;
             hits.s = exitS;
             hits.fromAbove = above;
@@ -216,7 +216,7 @@ namespace embree
 
         __forceinline bool isAtBorder (uint32_t leaf) const
         {
-          const uint32_t x = mortonX(leaf), y = mortonY(leaf), last = this->layout.leaves-1;
+          const uint32_t x = mortonX(leaf), y = mortonY(leaf), last = this->layout.leavesPerSide-1;
           return x == 0 || y == 0 || x == last || y == last;
         }
 
@@ -231,7 +231,7 @@ namespace embree
             const Crossing<float> at = x.at(k);
             const Lip<float> lip = { borderWidthOf(this->block->info),halfThickness,this->nodeRays.epsilonZ[k] };
             const LipIntersection<float> intersection =
-              intersectLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
+              intersectLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leavesPerSide-1,lip);
             s[k] = between(at,intersection.k);
             if (!intersection.hit) missed |= 1u << k;
           }
