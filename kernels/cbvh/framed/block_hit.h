@@ -93,9 +93,9 @@ namespace embree
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
           const Bool away = (at.fromAbove & (along > Real(0.0f))) | (at.fromBelow & (along < Real(0.0f)));
           const Bool isMirrored = away & (along*along*ray.rcpDir2 < Real(mirroredSine2)*length2);
-          const Real turn = select(isMirrored,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
+          const Real mirroring = select(isMirrored,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
             rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
-          for (int k=0; k<3; k++) n[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
+          for (int k=0; k<3; k++) n[k] = fusedNegative(mirroring,ray.dir[k],n[k])*rcpLength;
           Ng = Vec3<Real>(n[0],n[1],n[2]);
         }
 

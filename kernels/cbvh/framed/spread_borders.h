@@ -30,8 +30,8 @@ namespace embree
       const cbvh::Double3 outward = p - inner;
       const double distance = cbvh::length(outward);
       const double size = cbvh::maximum(std::fabs(p.x),cbvh::maximum(std::fabs(p.y),std::fabs(p.z)));
-      const double lip = cbvh::minimum(size/(1 << 20),distance/16);
-      return distance > 0 ? p + (lip/distance)*outward : p;
+      const double shift = cbvh::minimum(size/(1 << 20),distance/16);
+      return distance > 0 ? p + (shift/distance)*outward : p;
     }
 
     /*! Spreads one side of a patch. border: its fine+1 vertices, `along` vertices apart in memory, stitched to `coarse`

@@ -24,7 +24,8 @@ namespace embree
        *  must be able to store a patch as cVERT, see write(). The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
-          own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
+          evaluatedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
+          encoded(mesh->device,0) {}
 
       /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, in world space, or the
        *  patch's level. Encodes blocks to measure this, but writes nothing. */
@@ -41,11 +42,11 @@ namespace embree
           cbvh::BlockStatistics worst;
           for (unsigned i=0; i < tiling.size() && worst.maxThickness <= plan.settings.maxError; i++)
           {
-            Encoding e(plan.kind(),tiling,i);
-            encoded.resize(e.layout.bytes/sizeof(Vec3fa)+1);
-            gather(e);
-            cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
-            if (encoder.fit(e.corners)) encoder.encode((cbvh::Block*)encoded.data(),e.x,e.y,worst);
+            TiledBlock tiled(plan.kind(),tiling,i);
+            encoded.resize(tiled.layout.bytes/sizeof(Vec3fa)+1);
+            loadBlock(tiled);
+            cbvh::BlockEncoder encoder(tiled.kind,tiled.height,vertexData(),scratch.data());
+            if (encoder.fit(tiled.corners)) encoder.encode((cbvh::Block*)encoded.data(),tiled.x,tiled.y,worst);
           }
           if (worst.maxThickness <= plan.settings.maxError) return n;
         }
@@ -65,11 +66,11 @@ namespace embree
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
         encoded.resize(count*stride/sizeof(Vec3fa));
         blocks.assign(count,BBox3fa(empty));
-        cbvh::BuildStatistics ofPatch;
-        cbvh::WorldBounds hitBoundsOfPatch;
+        cbvh::BuildStatistics patchStatistics;
+        cbvh::WorldBounds patchHitBounds;
         if (!hasHoles) { // vertices inside their bounds need no test
-          hitBoundsOfPatch.extend(lower[0],lower[1],lower[2]);
-          hitBoundsOfPatch.extend(upper[0],upper[1],upper[2]);
+          patchHitBounds.extend(lower[0],lower[1],lower[2]);
+          patchHitBounds.extend(upper[0],upper[1],upper[2]);
         }
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
@@ -78,15 +79,16 @@ namespace embree
         for (size_t k=0; k<count; k++) {
           /* in diagonal order, so that the first blocks are a sample of the patch */
           const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x;
-          Encoding e(kind,tiling,y*tiling.x+x);
-          e.sharpSides = sharpSides & e.sidesOfPatch();
-          writeBlock(patch,e,(cbvh::Block*)((char*)encoded.data()+e.index*stride),ofPatch,hitBoundsOfPatch);
-          if (shares && (ofPatch.framelessQuads || fit.isClearlyPoor(quads,edges))) return false;
+          TiledBlock tiled(kind,tiling,y*tiling.x+x);
+          tiled.sharpSides = sharpSides & tiled.sidesOfPatch();
+          cbvh::Block* const block = (cbvh::Block*)((char*)encoded.data()+tiled.index*stride);
+          writeBlock(patch,tiled,block,patchStatistics,patchHitBounds);
+          if (shares && (patchStatistics.framelessQuads || fit.isClearlyPoor(quads,edges))) return false;
         }
         if (shares && fit.isPoor()) return false;
         if (kind != plan.kind()) statistics.quadsForHoles += quads;
-        statistics.merge(ofPatch);
-        store.hitBounds.extend(hitBoundsOfPatch);
+        statistics.merge(patchStatistics);
+        store.hitBounds.extend(patchHitBounds);
         for (size_t i=0; i<count; i++)
           if (!blocks[i].empty()) store.add((char*)encoded.data()+i*stride,stride,blocks[i],cbvh::FRAMED_BLOCK);
         store.flush();
@@ -97,13 +99,13 @@ namespace embree
        *  were evaluated with another number of quads. Requires plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
-        return isEvaluated ? (const float(*)[3])own.data() : nullptr;
+        return isEvaluated ? (const float(*)[3])evaluatedVertices.data() : nullptr;
       }
 
     private:
       static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF;
 
-      struct Encoding
+      struct TiledBlock
       {
         cbvh::Kind kind;
         PatchTiling tiling;
@@ -113,7 +115,7 @@ namespace embree
         cbvh::BlockLayout layout;
         float corners[4][3];    //!< corners to which the frame is aligned
 
-        Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
+        TiledBlock (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
           : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x),
             layout(cbvh::blockLayout(uint32_t(kind),height)) {}
 
@@ -126,7 +128,7 @@ namespace embree
         }
       };
 
-      /*! Sets patchVertices, isStitched and, if borders are shared, `own`. */
+      /*! Sets patchVertices, isStitched and, if borders are shared, `evaluatedVertices`. */
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
@@ -140,9 +142,9 @@ namespace embree
           return;
         }
         const size_t count = 3*patchVertices->width*patchVertices->height;
-        own.resize(count);
-        memcpy(own.data(),patchVertices->displaced(),count*sizeof(float));
-        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),
+        evaluatedVertices.resize(count);
+        memcpy(evaluatedVertices.data(),patchVertices->displaced(),count*sizeof(float));
+        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])evaluatedVertices.data(),
                     patchVertices->displaced(),statistics);
         float rate[4];
         for (int s=0; s<4; s++) rate[s] = float(patch.side(s,0).rate);
@@ -153,84 +155,87 @@ namespace embree
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
 
       /*! Copies the vertices of a block, and sets the corners to which its frame is aligned. */
-      void gather (Encoding& e)
+      void loadBlock (TiledBlock& tiled)
       {
-        const size_t w = e.width();
-        const size_t x0 = size_t(e.x) << e.height, y0 = size_t(e.y) << e.height;
+        const size_t w = tiled.width();
+        const size_t x0 = size_t(tiled.x) << tiled.height, y0 = size_t(tiled.y) << tiled.height;
         vertices.resize(3*w*w);
-        scratch.resize((cbvh::BlockEncoder::scratchBytes(e.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
+        scratch.resize((cbvh::BlockEncoder::scratchBytes(tiled.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
         for (size_t r=0; r<w; r++)
           memcpy(&vertices[3*r*w],patchVertices->displaced()[(y0+r)*patchVertices->width+x0],3*w*sizeof(float));
-        const bool toLimit = cbvh::describe(e.kind).alignsToLimit;
+        const bool toLimit = cbvh::describe(tiled.kind).alignsToLimit;
         float (*aligned)[3] = toLimit ? patchVertices->undisplaced() : patchVertices->displaced();
         for (size_t c=0; c<4; c++)
-          memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*patchVertices->width + x0 + (c&1)*(w-1)],sizeof(float[3]));
+          memcpy(tiled.corners[c],aligned[(y0 + (c>>1)*(w-1))*patchVertices->width + x0 + (c&1)*(w-1)],
+                 sizeof(float[3]));
       }
 
-      size_t countFinite (const Encoding& e) const
+      size_t countFinite (const TiledBlock& tiled) const
       {
         size_t finite = 0;
-        for (size_t i=0; i<e.width()*e.width(); i++) finite += cbvh::isFinite(vertexData()[i]);
+        for (size_t i=0; i<tiled.width()*tiled.width(); i++) finite += cbvh::isFinite(vertexData()[i]);
         return finite;
       }
 
       /*! Encodes a block to `block`, and sets its bounds in `blocks`. Instead, writes a grid or a block of cGRID to the
        *  store if the kind cannot represent the quads, or nothing if they are invalid or the patch becomes cVERT. */
-      void writeBlock (const CagePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch,
-                       cbvh::WorldBounds& hitBoundsOfPatch)
+      void writeBlock (const CagePatch& patch, TiledBlock& tiled, cbvh::Block* block,
+                       cbvh::BuildStatistics& patchStatistics, cbvh::WorldBounds& patchHitBounds)
       {
-        gather(e);
-        const size_t count = e.width()*e.width(), finite = countFinite(e);
-        if (finite == 0) { countAsInvalid(e,ofPatch); return; }
+        loadBlock(tiled);
+        const size_t count = tiled.width()*tiled.width(), finite = countFinite(tiled);
+        if (finite == 0) { countAsInvalid(tiled,patchStatistics); return; }
 
-        cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
-        const bool fits = encoder.fit(e.corners);
-        const bool refused = !fits || encoder.isDegenerate();
-        const unsigned quads = 1u << e.height;
-        if (refused && shares) {
-          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
+        cbvh::BlockEncoder encoder(tiled.kind,tiled.height,vertexData(),scratch.data());
+        const bool fits = encoder.fit(tiled.corners);
+        const bool isFrameless = !fits || encoder.isDegenerate();
+        const unsigned quads = 1u << tiled.height;
+        if (isFrameless && shares) {
+          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
           return; // the patch becomes cVERT
         }
-        if (refused && finite == count && !isStitched) {
-          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
-          ofPatch.framelessQuadsInGrid += size_t(quads)*size_t(quads);
-          grids.write(patch.embreePatch(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
+        if (isFrameless && finite == count && !isStitched) {
+          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
+          patchStatistics.framelessQuadsInGrid += size_t(quads)*size_t(quads);
+          grids.write(patch.embreePatch(),tiled.x*quads,(tiled.x+1)*quads,tiled.y*quads,(tiled.y+1)*quads);
           return;
         }
-        if (!fits) { countAsInvalid(e,ofPatch); return; }
-        if (refused && e.kind != cbvh::Kind::GRID) {
+        if (!fits) { countAsInvalid(tiled,patchStatistics); return; }
+        if (isFrameless && tiled.kind != cbvh::Kind::GRID) {
           /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
            * of cGRID are exact in any frame. */
-          ofPatch.framelessQuads += size_t(quads)*size_t(quads);
-          Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
+          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
+          TiledBlock exact(cbvh::Kind::GRID,tiled.tiling,tiled.index);
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
-          const BBox3fa before = blocks[e.index];
-          writeBlock(patch,exact,(cbvh::Block*)memory.data(),ofPatch,hitBoundsOfPatch);
-          if (!blocks[e.index].empty()) store.add(memory.data(),exact.layout.stride,blocks[e.index],cbvh::FRAMED_BLOCK);
-          blocks[e.index] = before;
+          const BBox3fa before = blocks[tiled.index];
+          writeBlock(patch,exact,(cbvh::Block*)memory.data(),patchStatistics,patchHitBounds);
+          if (!blocks[tiled.index].empty())
+            store.add(memory.data(),exact.layout.stride,blocks[tiled.index],cbvh::FRAMED_BLOCK);
+          blocks[tiled.index] = before;
           return;
         }
 
         cbvh::BlockStatistics blockStatistics;
         blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need no test
-        encoder.encode(block,e.x,e.y,blockStatistics,e.sharpSides);
+        encoder.encode(block,tiled.x,tiled.y,blockStatistics,tiled.sharpSides);
         block->surface = patch.surface;
         block->primID = patch.primID;
-        block->tiling = cbvh::blockTiling(e.tiling.x-1,e.tiling.y-1,patch.corner[0],patch.corner[1]);
-        addBlock(ofPatch,e,blockStatistics);
+        block->tiling = cbvh::blockTiling(tiled.tiling.x-1,tiled.tiling.y-1,patch.corner[0],patch.corner[1]);
+        addBlock(patchStatistics,tiled,blockStatistics);
         fit.merge(blockStatistics.fit);
-        encoder.extendByHits(hitBoundsOfPatch,block);
-        blocks[e.index] = toBBox(encoder.surfaceBounds());
+        encoder.extendByHits(patchHitBounds,block);
+        blocks[tiled.index] = toBBox(encoder.surfaceBounds());
       }
 
-      static void addBlock (cbvh::BuildStatistics& statistics, const Encoding& e, const cbvh::BlockStatistics& block)
+      static void addBlock (cbvh::BuildStatistics& statistics, const TiledBlock& tiled,
+                            const cbvh::BlockStatistics& block)
       {
         cbvh::CompressionStatistics& sums = statistics.sums;
         sums.headerBytes += cbvh::blockHeaderBytes;
-        sums.nodeBytes += e.layout.leafOffset - cbvh::blockHeaderBytes;
-        sums.leafBytes += e.layout.stride - e.layout.leafOffset;
+        sums.nodeBytes += tiled.layout.leafOffset - cbvh::blockHeaderBytes;
+        sums.leafBytes += tiled.layout.stride - tiled.layout.leafOffset;
         sums.numBlocks++;
-        sums.numQuads += size_t(1) << (2*e.height);
+        sums.numQuads += size_t(1) << (2*tiled.height);
         sums.numInvalidQuads += block.invalidQuads;
         sums.numAffineBlocks += block.affine;
         sums.numSolidLeaves += block.solidLeaves;
@@ -238,8 +243,8 @@ namespace embree
         sums.maxLeafThickness = max(sums.maxLeafThickness,block.maxThickness);
       }
 
-      static void countAsInvalid (const Encoding& e, cbvh::BuildStatistics& ofPatch) {
-        ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height);
+      static void countAsInvalid (const TiledBlock& tiled, cbvh::BuildStatistics& patchStatistics) {
+        patchStatistics.sums.numInvalidQuads += size_t(1) << (2*tiled.height);
       }
 
       const CompressionPlan& plan;
@@ -251,7 +256,7 @@ namespace embree
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
       std::vector<BBox3fa> blocks;   //!< bounds by position in the tiling; empty for blocks that were not encoded
-      mvector<float> own;            //!< vertices as the patch's face evaluates them
+      mvector<float> evaluatedVertices; //!< vertices as the patch's face evaluates them
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or one block of boundedFrameLevel()

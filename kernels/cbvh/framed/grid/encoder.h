@@ -6,7 +6,7 @@
 /* Encoder of leaves of cGRID (members: block_encoder.h): stores the block's vertices as floats, all x, all y, then all
  * z. */
 
-#include "../leaf/leaf_thickness.h"
+#include "../block_statistics.h"
 
 namespace embree
 {

@@ -44,8 +44,8 @@ namespace embree
         }
       };
 
-      /*! A leaf of cGRID. test.quads<M>(v0,v1,v2,mapUV) must test M triangles, and return true if a hit was
-       *  accepted. */
+      /*! A leaf of cGRID. test.intersectTriangles<M>(v0,v1,v2,mapUV) must test M triangles. It returns true if a
+       *  hit was accepted. */
       template<typename Test>
       class GridLeaf
       {
@@ -58,27 +58,27 @@ namespace embree
         __forceinline bool run (bool endsWithHit) const
         {
           // rows of vertices: a block of one quad has only 2
-          const size_t lines = min(width,size_t(3));
+          const size_t rows = min(width,size_t(3));
 #if defined(__AVX__)
-          return quads<GridSOA::Gather3x3>(y,lines);
+          return intersectRows<GridSOA::Gather3x3>(y,rows);
 #else
-          bool found = quads<GridSOA::Gather2x3>(y,lines);
+          bool found = intersectRows<GridSOA::Gather2x3>(y,rows);
           if (endsWithHit && found) return true;
-          if (lines > 2) found |= quads<GridSOA::Gather2x3>(y+1,lines);
+          if (rows > 2) found |= intersectRows<GridSOA::Gather2x3>(y+1,rows);
           return found;
 #endif
         }
 
       private:
         template<typename Loader>
-        __forceinline bool quads (size_t line, size_t lines) const
+        __forceinline bool intersectRows (size_t row, size_t rows) const
         {
           typedef typename Loader::vfloat vfloat;
           const size_t plane = width*width;
-          const float* p = (const float*)block->leaves() + line*width + x;
+          const float* p = (const float*)block->leaves() + row*width + x;
           Vec3<vfloat> v0, v1, v2;
-          Loader::gather(p,p+plane,p+2*plane,width,lines,v0,v1,v2);
-          return test.template quads<Loader::M>(v0,v1,v2,GridMapUV<Loader>(block,float(x),float(line)));
+          Loader::gather(p,p+plane,p+2*plane,width,rows,v0,v1,v2);
+          return test.template intersectTriangles<Loader::M>(v0,v1,v2,GridMapUV<Loader>(block,float(x),float(row)));
         }
 
         const Block* block;

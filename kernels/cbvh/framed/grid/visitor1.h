@@ -40,7 +40,7 @@ namespace embree
 
         /*! Tests M triangles, for GridLeaf. */
         template<int M, typename MapUV>
-        __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
+        __forceinline bool intersectTriangles (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                   const MapUV& mapUV) const {
           return PlueckerIntersector1<M>(this->ray,nullptr).intersect(this->ray,v0,v1,v2,mapUV,
             gridEpilog<M>(this->ray,this->context,this->block));

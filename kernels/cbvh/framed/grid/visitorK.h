@@ -58,7 +58,7 @@ namespace embree
           size_t k;
 
           template<int M, typename MapUV>
-          __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
+          __forceinline bool intersectTriangles (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                     const MapUV& mapUV) const {
             return PlueckerIntersectorK<M,K>().intersect(rays,k,v0,v1,v2,mapUV,gridEpilog<M>(rays,k,context,block));
           }

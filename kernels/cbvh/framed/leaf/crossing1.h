@@ -41,9 +41,9 @@ namespace embree
         const vfloat4 h = vfloat4::load(surfaces.height[leaf]);
         const vfloat4 u = shuffle<0,2,0,2>(uv), v = shuffle<1,3,1,3>(uv);
         const vfloat4 patch = madd(u,shuffle<1>(h),madd(v,madd(u,shuffle<3>(h),shuffle<2>(h)),shuffle<0>(h)));
-        const vfloat4 over = madd(vfloat4(x.s0,x.s1,x.s0,x.s1),shuffle<2>(ray.D),shuffle<2>(ray.P)) - patch;
-        x.f.f0 = over[0];
-        x.f.f1 = over[1];
+        const vfloat4 above = madd(vfloat4(x.s0,x.s1,x.s0,x.s1),shuffle<2>(ray.D),shuffle<2>(ray.P)) - patch;
+        x.f.f0 = above[0];
+        x.f.f1 = above[1];
         x.f.saddle = h[3]*(x.u1-x.u0)*(x.v1-x.v0);
 
         x.event.solid = (surfaces.solid >> leaf) & 1u;

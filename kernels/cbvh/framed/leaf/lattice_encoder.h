@@ -21,7 +21,7 @@ namespace embree
     /*! Distance of the fitted surface from vertices at which the fit ends, in bins. Small against the half bin of
      *  rounding. */
     static constexpr double fitTolerance = 0.0625;
-    static constexpr int maxFitTurns = 16; //!< largest number of iterations of the fit
+    static constexpr int maxFitIterations = 16; //!< of fitLattice()
 
     /*! A surface that is piecewise bilinear over 3 x 3 heights, not rounded. */
     struct Lattice
@@ -31,10 +31,10 @@ namespace embree
 
       struct Position { int corner; double u, v; }; //!< the cell's lower vertex, and position in the cell, 0 to 1
 
-      Position find(double x, double y) const {
-        return in(x >= planes[0][1],y >= planes[1][1],x,y);
+      Position locate(double x, double y) const {
+        return positionInCell(x >= planes[0][1],y >= planes[1][1],x,y);
       }
-      Position in(int column, int row, double x, double y) const {
+      Position positionInCell(int column, int row, double x, double y) const {
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
@@ -50,7 +50,7 @@ namespace embree
         return slope;
       }
       double twist(int corner) const { return z[corner]-z[corner+1]-z[corner+3]+z[corner+4]; }
-      double at(const Position& p) const {
+      double height(const Position& p) const {
         const double* h = z+p.corner;
         return h[0] + p.u*(h[1]-h[0]) + p.v*(h[3]-h[0]) + p.u*p.v*twist(p.corner);
       }
@@ -58,12 +58,12 @@ namespace embree
       struct Range {
         double lower, upper;
         void extend(const Range& r) { lower = std::min(lower,r.lower); upper = std::max(upper,r.upper); }
-        double largest() const { return std::max(-lower,upper); }
+        double maxMagnitude() const { return std::max(-lower,upper); }
       };
 
       /*! Range of the surface's height above the straight edge from a to b. Between the planes that the edge crosses,
        *  the surface over it is a parabola, which differs from its chord by at most a quarter of its quadratic term. */
-      Range distance(const double a[3], const double b[3]) const
+      Range heightOver(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };
         int pieces = 0;
@@ -79,9 +79,9 @@ namespace embree
           auto point = [&](double t, int axis) { return a[axis] + t*(b[axis]-a[axis]); };
           const double middle = 0.5*(cut[i]+cut[i+1]);
           const int column = point(middle,0) >= planes[0][1], row = point(middle,1) >= planes[1][1];
-          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)),
-            q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
-          const double d0 = at(p)-point(cut[i],2), d1 = at(q)-point(cut[i+1],2);
+          const Position p = positionInCell(column,row,point(cut[i],0),point(cut[i],1)),
+            q = positionInCell(column,row,point(cut[i+1],0),point(cut[i+1],1));
+          const double d0 = height(p)-point(cut[i],2), d1 = height(q)-point(cut[i+1],2);
           const double sag = -0.25*twist(p.corner)*(q.u-p.u)*(q.v-p.v);
           range.extend({ std::min(d0,d1) + std::min(sag,0.0), std::max(d0,d1) + std::max(sag,0.0) });
         }
@@ -97,9 +97,9 @@ namespace embree
       GroupLine(int axis, int line) {
         for (int i=0; i<3; i++) vertex[i] = axis == 0 ? line+3*i : 3*line+i;
       }
-      Lattice::Range distance(const Lattice& lattice, const QuadGroup& group) const {
-        Lattice::Range range = lattice.distance(group.vertices[vertex[0]],group.vertices[vertex[1]]);
-        range.extend(lattice.distance(group.vertices[vertex[1]],group.vertices[vertex[2]]));
+      Lattice::Range heightOver(const Lattice& lattice, const QuadGroup& group) const {
+        Lattice::Range range = lattice.heightOver(group.vertices[vertex[0]],group.vertices[vertex[1]]);
+        range.extend(lattice.heightOver(group.vertices[vertex[1]],group.vertices[vertex[2]]));
         return range;
       }
     };
@@ -142,25 +142,25 @@ namespace embree
       return true;
     }
 
-    /*! Fits the heights so that the surface passes through the vertices. In each turn, each vertex moves its own height
-     *  by the distance of the surface from it. This converges if that height has the largest weight at the vertex;
+    /*! Fits the heights so that the surface passes through the vertices. In each iteration, each vertex moves its own
+     *  height by the distance of the surface from it. This converges if that height has the largest weight at the vertex;
      *  otherwise the caller measures a large deviation, and rejects the lattice. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
-      Lattice::Position at[9];
+      Lattice::Position position[9];
       for (int v=0; v<9; v++) {
-        at[v] = lattice.find(group.vertices[v][0],group.vertices[v][1]);
+        position[v] = lattice.locate(group.vertices[v][0],group.vertices[v][1]);
         lattice.z[v] = group.vertices[v][2];
       }
-      for (int turn=0; turn<maxFitTurns; turn++)
+      for (int iteration=0; iteration<maxFitIterations; iteration++)
       {
-        double worst = 0;
+        double largest = 0;
         for (int v=0; v<9; v++) {
-          const double off = group.vertices[v][2]-lattice.at(at[v]);
-          lattice.z[v] += off;
-          worst = std::max(worst,std::fabs(off));
+          const double deviation = group.vertices[v][2]-lattice.height(position[v]);
+          lattice.z[v] += deviation;
+          largest = std::max(largest,std::fabs(deviation));
         }
-        if (!(worst > tolerance)) break;
+        if (!(largest > tolerance)) break;
       }
     }
 
@@ -188,7 +188,7 @@ namespace embree
     {
       for (int v : side.vertex) {
         const double* p = group.vertices[v];
-        lattice.raise(v,slack + p[2] - lattice.surface.at(lattice.surface.find(p[0],p[1])));
+        lattice.raise(v,slack + p[2] - lattice.surface.height(lattice.surface.locate(p[0],p[1])));
       }
     }
 
@@ -197,12 +197,12 @@ namespace embree
     {
       /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
        * bins should be loose. */
-      const int maxTurns = 4;
+      const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
-      for (int turn=0; ; turn++) {
-        const double below = slack - side.distance(lattice.surface,group).lower;
+      for (int iteration=0; ; iteration++) {
+        const double below = slack - side.heightOver(lattice.surface,group).lower;
         if (below <= 0) return true;
-        if (!(below < maxRaise) || turn == maxTurns) return false;
+        if (!(below < maxRaise) || iteration == maxIterations) return false;
         for (int v : side.vertex) lattice.raise(v,below);
       }
     }
@@ -214,8 +214,8 @@ namespace embree
       Lattice::Range range = { 0,0 };
       for (int axis=0; axis<2; axis++)
         for (int line=0; line<3; line++)
-          range.extend(GroupLine(axis,line).distance(lattice.surface,group));
-      const double deviation = range.largest();
+          range.extend(GroupLine(axis,line).heightOver(lattice.surface,group));
+      const double deviation = range.maxMagnitude();
       uint32_t code = 0;
       while (code < 4 && !(0.5*latticeThickness(uint32_t(code))*lattice.bins.size >= deviation+slack)) code++;
       return code;

@@ -119,7 +119,7 @@ namespace embree
         }
       }
 
-      /*! Sets `at`, `upper` and `undecided`. */
+      /*! Sets `position`, `upper` and `undecided`. */
       void findCells()
       {
         uint32_t irregular = 0;
@@ -131,7 +131,7 @@ namespace embree
             const Mask4 isUpper = planes[axis][1] <= x;
             if (step == 1) upper[axis][axis == 0 ? v/3 : v%3] = isUpper;
             else irregular |= isUpper.bits() ^ (step == 2 ? 15 : 0);
-            at[v][axis] = step == 0 ? (x-planes[axis][0])/width[axis][0]
+            position[v][axis] = step == 0 ? (x-planes[axis][0])/width[axis][0]
                         : step == 2 ? (x-planes[axis][1])/width[axis][1]
                         : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],
                           width[axis][0]);
@@ -153,16 +153,16 @@ namespace embree
       Double4 surface() const
       {
         const Double4 a = corner<v,0,0>(), b = corner<v,1,0>(), c = corner<v,0,1>(), d = corner<v,1,1>();
-        return a + at[v][0]*(b-a) + at[v][1]*(c-a) + at[v][0]*at[v][1]*(a-b-c+d);
+        return a + position[v][0]*(b-a) + position[v][1]*(c-a) + position[v][0]*position[v][1]*(a-b-c+d);
       }
 
-      /*! Moves the height of vertex v by the distance of the surface from it. worst: raised to the largest distance. */
+      /*! Moves the height of vertex v by the distance of the surface from it. Raises `largest` to that distance. */
       template<int v>
-      void moveToVertex(Mask4 active, Double4& worst)
+      void moveToVertex(Mask4 active, Double4& largest)
       {
-        const Double4 off = active & (groups.vertices[v][2]-surface<v>());
-        z[v] = z[v]+off;
-        worst = max(worst,abs(off));
+        const Double4 change = active & (groups.vertices[v][2]-surface<v>());
+        z[v] = z[v]+change;
+        largest = max(largest,abs(change));
       }
 
       /*! As fitLattice(). */
@@ -171,14 +171,14 @@ namespace embree
         for (int v=0; v<9; v++) z[v] = groups.vertices[v][2];
         const Double4 tolerance = Double4(size)*fitTolerance;
         uint32_t active = encoded;
-        for (int turn=0; turn<maxFitTurns && active; turn++)
+        for (int iteration=0; iteration<maxFitIterations && active; iteration++)
         {
           const Mask4 mask = maskOf(active);
-          Double4 worst = 0.0;
-          moveToVertex<0>(mask,worst); moveToVertex<1>(mask,worst); moveToVertex<2>(mask,worst);
-          moveToVertex<3>(mask,worst); moveToVertex<4>(mask,worst); moveToVertex<5>(mask,worst);
-          moveToVertex<6>(mask,worst); moveToVertex<7>(mask,worst); moveToVertex<8>(mask,worst);
-          active &= (tolerance < worst).bits();
+          Double4 largest = 0.0;
+          moveToVertex<0>(mask,largest); moveToVertex<1>(mask,largest); moveToVertex<2>(mask,largest);
+          moveToVertex<3>(mask,largest); moveToVertex<4>(mask,largest); moveToVertex<5>(mask,largest);
+          moveToVertex<6>(mask,largest); moveToVertex<7>(mask,largest); moveToVertex<8>(mask,largest);
+          active &= (tolerance < largest).bits();
         }
       }
 
@@ -222,7 +222,7 @@ namespace embree
 
       /*! Height of the surface above a point on the middle plane of an axis. isUpper: the point is in the upper cells
        *  of the other axis. */
-      Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
+      Double4 heightOver(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // indices of heights
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
@@ -253,14 +253,14 @@ namespace embree
         constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
         const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step],
           *const c = groups.vertices[v+2*step];
-        const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
+        const Double4 da = deviation[v], db = deviation[v+step], dc = deviation[v+2*step];
         Range4 range;
 
         const Mask4 first = upper[along][line]; // the edge crosses the plane before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
-        const Double4 dx = distance(x,along,
+        const Double4 dx = heightOver(x,along,
           line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
 
         /* products of the pieces' extents on both axes */
@@ -269,7 +269,7 @@ namespace embree
         const Double4 piece[3] = { ab*select(first,t2,1.0),select(first,ab*rest2,bc*t2),bc*select(first,1.0,rest2) };
         const Double4 ends[4] = { da,select(first,dx,db),select(first,db,dx),dc };
         Double4 largest = 0.0;
-        auto cell = [&](int i, int j) { return bend[axis == 1 ? i+2*j : j+2*i]; };
+        auto cell = [&](int i, int j) { return unitSag[axis == 1 ? i+2*j : j+2*i]; };
         for (int i=0; i<3; i++)
         {
           const Double4 low = min(ends[i],ends[i+1]), high = max(ends[i],ends[i+1]);
@@ -291,23 +291,23 @@ namespace embree
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
             const Mask4 crosses = maskOf(upper[axis][i].bits() ^ upper[axis][i+1].bits());
-            const Double4 dy = select(crosses,distance(y,axis,planes[along][1] <= y.across),db);
+            const Double4 dy = select(crosses,heightOver(y,axis,planes[along][1] <= y.across),db);
             range.add(dy,dy,0);
             range.add(dy-largest,dy+largest,1);
           }
         return range;
       }
 
-      /*! Sets `off` of a vertex. */
+      /*! Sets `deviation` of a vertex. */
       template<int v>
-      void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
+      void computeDeviation() { deviation[v] = surface<v>()-groups.vertices[v][2]; }
 
-      /*! Sets `bend`. */
-      void measureBends()
+      /*! Sets `unitSag`. */
+      void computeUnitSags()
       {
         for (int i=0; i<4; i++) {
           const Double4* const h = z + i%2 + 3*(i/2);
-          bend[i] = -0.25*(h[0]-h[1]-h[3]+h[4])*reciprocal[0][i%2]*reciprocal[1][i/2];
+          unitSag[i] = -0.25*(h[0]-h[1]-h[3]+h[4])*reciprocal[0][i%2]*reciprocal[1][i/2];
         }
       }
 
@@ -336,18 +336,19 @@ namespace embree
         raiseToVertex<v>(mask,slack);
         raiseToVertex<v+step>(mask,slack);
         raiseToVertex<v+2*step>(mask,slack);
-        measure<v>();
-        measure<v+step>();
-        measure<v+2*step>();
-        measureBends();
+        computeDeviation<v>();
+        computeDeviation<v+step>();
+        computeDeviation<v+2*step>();
+        computeUnitSags();
         const uint32_t certain = (slack+margin() <= rangeOf<axis,2*upper>().lowest[1]).bits();
         double slacks[4];
         slack.store(slacks);
         for (uint32_t rest = lanes & ~certain; rest; rest &= rest-1)
         {
           const int lane = int(lowestBit(rest));
-          Exact exact(*this,lane);
-          if (raiseToEdges(exact.lattice,exact.group,GroupLine(axis,2*upper),slacks[lane])) insert(exact.lattice,lane);
+          ScalarLane scalar(*this,lane);
+          if (raiseToEdges(scalar.lattice,scalar.group,GroupLine(axis,2*upper),slacks[lane]))
+            setLane(scalar.lattice,lane);
           else encoded &= ~(1u << lane);
         }
       }
@@ -355,10 +356,10 @@ namespace embree
       /*! As encodeLatticeThickness(). */
       void encodeThickness(Double4 slack)
       {
-        measure<0>(); measure<1>(); measure<2>();
-        measure<3>(); measure<4>(); measure<5>();
-        measure<6>(); measure<7>(); measure<8>();
-        measureBends();
+        computeDeviation<0>(); computeDeviation<1>(); computeDeviation<2>();
+        computeDeviation<3>(); computeDeviation<4>(); computeDeviation<5>();
+        computeDeviation<6>(); computeDeviation<7>(); computeDeviation<8>();
+        computeUnitSags();
         Double4 least = 0.0, most = 0.0;
         auto add = [&](const Range4& range) {
           least = max(least,max(Double4(0.0)-range.lowest[0],range.highest[0]));
@@ -383,8 +384,8 @@ namespace embree
         for (uint32_t rest = encoded & ~certain; rest; rest &= rest-1)
         {
           const int lane = int(lowestBit(rest));
-          const Exact exact(*this,lane);
-          codes[lane] = encodeLatticeThickness(exact.lattice,exact.group,slacks[lane]);
+          const ScalarLane scalar(*this,lane);
+          codes[lane] = encodeLatticeThickness(scalar.lattice,scalar.group,slacks[lane]);
         }
         for (int lane=0; lane<4; lane++) encoded &= ~(uint32_t(codes[lane] == 4) << lane);
         const Int4 coded = Int4::load(codes);
@@ -394,12 +395,12 @@ namespace embree
       }
 
       /*! One lane as input of lattice_encoder.h, for comparisons that are not certain. */
-      struct Exact
+      struct ScalarLane
       {
         CodedLattice lattice;
         QuadGroup group; //!< only the vertices
 
-        Exact(const LatticeLanes& l, int lane)
+        ScalarLane(const LatticeLanes& l, int lane)
         {
           auto get = [&](Double4 a) { double x[4]; a.store(x); return x[lane]; };
           for (int axis=0; axis<2; axis++)
@@ -418,7 +419,7 @@ namespace embree
         }
       };
 
-      void insert(const CodedLattice& lattice, int lane)
+      void setLane(const CodedLattice& lattice, int lane)
       {
         for (int v=0; v<9; v++)
         {
@@ -440,11 +441,11 @@ namespace embree
       Int4 word;
       Double4 planes[2][3], width[2][2], reciprocal[2][2]; //!< width: distances of planes
       Mask4 upper[2][3];       //!< [axis][line]: true if the middle vertex is in the upper cell
-      Double4 at[9][2];        //!< position of each vertex in its cell
+      Double4 position[9][2];  //!< of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 off[9];          //!< height of the surface above vertices; set by measure()
-      Double4 bend[4];         //!< per cell: sag of a straight line that advances by 1 on both axes
+      Double4 deviation[9];    //!< height of the surface above vertices; set by computeDeviation()
+      Double4 unitSag[4];      //!< per cell: sag of a straight line that advances by 1 on both axes
       Double4 thick;
     };
   }}

@@ -29,7 +29,7 @@ namespace embree
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
     /*! Number of quads that are a sufficient sample of a patch. */
-    static constexpr size_t minQuadsSeen = 1024;
+    static constexpr size_t minSampleQuads = 1024;
 
     /*! Counts of poor quads and edges, of a block or a patch. */
     struct LeafFit
@@ -52,7 +52,7 @@ namespace embree
        *  quads, if it is large enough and distributed over the patch. All edges are counted. */
       bool isClearlyPoor(size_t allQuads, size_t allEdges) const
       {
-        const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
+        const size_t enough = std::min(allQuads,std::max(allQuads/4,minSampleQuads));
         return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough))
           || poorEdges > maxPoorEdges*double(allEdges);
       }

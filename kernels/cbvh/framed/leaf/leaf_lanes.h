@@ -8,7 +8,7 @@
  * other leaves. */
 
 #include "lattice_lanes.h"
-#include "leaf_thickness.h"
+#include "../block_statistics.h"
 
 namespace embree
 {
@@ -60,12 +60,12 @@ namespace embree
         const LinearForm& w = geometry.inverse.rcpW;
         const Double4 rcpW = x[0]*w.n.x + x[1]*w.n.y + x[2]*w.n.z + w.d;
 
-        const double room = 1-1e-6;
-        const Double4 thickness2 = thickness*thickness, unit2 = room*rcpW*rcpW*leaf2; // squared world-space thickness:
-                                                                                      // thickness2/unit2
-        const double limit2 = 0.5*maxLeafThickness*maxLeafThickness;                  // for a quad of length 1
+        const double margin = 1-1e-6;
+        // the squared world-space thickness is thickness2/unit2
+        const Double4 thickness2 = thickness*thickness, unit2 = margin*rcpW*rcpW*leaf2;
+        const double limit2 = 0.5*maxLeafThickness*maxLeafThickness; // for a quad of length 1
         return ((Double4(0.0) < cosine)
-              & (Double4(minNormalCosine*minNormalCosine)*leaf2*quad2 < room*cosine*cosine)
+              & (Double4(minNormalCosine*minNormalCosine)*leaf2*quad2 < margin*cosine*cosine)
               & (thickness2*thickness2 < limit2*limit2*quad2*unit2*unit2)
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }

@@ -50,8 +50,8 @@ namespace embree
           const float* footprint = surfaces.footprint[leaf];
           u0 = position(rays,0,footprint,s0); v0 = position(rays,1,footprint,s0);
           u1 = position(rays,0,footprint,s1); v1 = position(rays,1,footprint,s1);
-          f0 = over(rays,surfaces.height[leaf],s0,u0,v0);
-          f1 = over(rays,surfaces.height[leaf],s1,u1,v1);
+          f0 = heightAbove(rays,surfaces.height[leaf],s0,u0,v0);
+          f1 = heightAbove(rays,surfaces.height[leaf],s1,u1,v1);
           saddle = vfloat<K>(surfaces.height[leaf][3])*(u1-u0)*(v1-v0);
           enterAbove = f0 >= vfloat<K>(zero);
           leaveAbove = f1 >= vfloat<K>(zero);
@@ -83,7 +83,7 @@ namespace embree
         }
 
       private:
-        static __forceinline vfloat<K> over (const NodeRays<K>& rays, const float h[4], const vfloat<K>& s,
+        static __forceinline vfloat<K> heightAbove (const NodeRays<K>& rays, const float h[4], const vfloat<K>& s,
                                              const vfloat<K>& u, const vfloat<K>& v)
         {
           const vfloat<K> patch =
@@ -130,7 +130,7 @@ namespace embree
           const LeafSurfaces& surfaces = tile.surfaces;
           const Crossings<K> x(this->nodeRays,surfaces,child,box,this->startsInside(box),this->endsInside(box));
           WalkStates<K> next = state;
-          const vbool<K> first = andn(lanes,state.found);
+          const vbool<K> unhit = andn(lanes,state.found);
           vbool<K> hit;                  // rays that hit: at the entry, unless `root` or `lip` is set
           vbool<K> root(false), lip(false);
           LeafHits<K> hits;
@@ -149,11 +149,11 @@ namespace embree
             next.pending = x.near;
             const vbool<K> isPastStep = andn(andn(next.fromSurface & state.known,x.started),state.above ^ x.leaveAbove);
             const vbool<K> differs = andn(state.known & (state.above ^ x.enterAbove),x.started);
-            const vbool<K> step = andn(first & differs,isPastStep);
+            const vbool<K> step = andn(unhit & differs,isPastStep);
             hits.fromAbove = step & state.above;
             hits.fromBelow = andn(step,state.above);
-            root = andn(lanes & crosses,step | (first & isPastStep));
-            if (isAtBorder(16*m+child)) lip = andn(andn(andn(andn(first & x.near,crosses),step),x.started),x.ended);
+            root = andn(lanes & crosses,step | (unhit & isPastStep));
+            if (isAtBorder(16*m+child)) lip = andn(andn(andn(andn(unhit & x.near,crosses),step),x.started),x.ended);
             hit = step | root | lip;
           }
           if (any(hit)) {
@@ -167,9 +167,9 @@ namespace embree
               hit = andn(hit,raysMissingLips(lip,x,surfaces.halfThickness[child],16*m+child,hits.s));
             hit = andn(hit,andn(state.found,hits.s < this->sBest));
           }
-          state.assign(first,next);
-          exitLeaf = select(first,vint<K>(int(16*m+child)),exitLeaf);
-          exitS = select(first,x.s1,exitS);
+          state.assign(unhit,next);
+          exitLeaf = select(unhit,vint<K>(int(16*m+child)),exitLeaf);
+          exitS = select(unhit,x.s1,exitS);
           if (any(hit)) {
             setSurface(hits,surfaces,child);
             found(this->reportHits(hit,16*m+child,hits));

@@ -6,7 +6,7 @@
 /* Encoder of leaves of cVOXEL (members: block_encoder.h). It stores nothing, because the boxes of the last level of
  * nodes are the surface; it only collects statistics. */
 
-#include "../leaf/leaf_thickness.h"
+#include "../block_statistics.h"
 
 namespace embree
 {

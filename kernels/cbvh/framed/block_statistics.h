@@ -5,7 +5,7 @@
 
 /* Statistics that encoders of all kinds collect about a block, in particular the thickness of its leaves. */
 
-#include "leaf_fit.h"
+#include "leaf/leaf_fit.h"
 
 namespace embree
 {
