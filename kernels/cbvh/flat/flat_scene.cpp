@@ -44,7 +44,7 @@ namespace embree
         {
           depth = 0;
           FlatTree tree;
-          tree.root = reference(bvh->root,nullptr,0);
+          tree.root = copySubtree(bvh->root,nullptr,0);
           tree.depth = depth;
           const BBox3fa bounds = merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
           copyVector(bounds.lower,tree.lower);
@@ -62,32 +62,33 @@ namespace embree
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
         /*! Copies a subtree and returns its reference. grid: grid of GRID that contains the node, null above grids.
-         *  gridIndex: its index in ownBlocks. above: number of nodes above. */
-        uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
+         *  gridIndex: its index in ownBlocks. nodesAbove: their number. */
+        uint32_t copySubtree (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t nodesAbove = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;
-          if (ref.isLeaf()) return leaf(ref,grid,gridIndex,above);
-          depth = max(depth,above+1);
-          return ref.isAABBNode() ? node(ref.getAABBNode(),grid,gridIndex,above) : movingNode(ref,above);
+          if (ref.isLeaf()) return copyLeaf(ref,grid,gridIndex,nodesAbove);
+          depth = max(depth,nodesAbove+1);
+          return ref.isAABBNode() ? copyNode(ref.getAABBNode(),grid,gridIndex,nodesAbove)
+            : copyMovingNode(ref,nodesAbove);
         }
 
-        uint32_t node (const BVH4::AABBNode* from, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
+        uint32_t copyNode (const BVH4::AABBNode* from, const GridSOA* grid, uint32_t gridIndex, uint32_t nodesAbove)
         {
           const size_t n = out.ownNodes.size();
           out.ownNodes.emplace_back();
           uint32_t children[4];
-          for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),grid,gridIndex,above+1);
+          for (size_t i=0; i<4; i++) children[i] = copySubtree(from->child(i),grid,gridIndex,nodesAbove+1);
           copyPlanes(&from->lower_x,children,out.ownNodes[n]);
-          return makeReference(nodeReference,index(n));
+          return makeReference(nodeReference,checkedIndex(n));
         }
 
-        uint32_t movingNode (BVH4::NodeRef ref, uint32_t above)
+        uint32_t copyMovingNode (BVH4::NodeRef ref, uint32_t nodesAbove)
         {
           const BVH4::AABBNodeMB* const from = ref.getAABBNodeMB();
           const size_t n = out.ownMovingNodes.size();
           out.ownMovingNodes.emplace_back();
           uint32_t children[4];
-          for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),nullptr,0,above+1);
+          for (size_t i=0; i<4; i++) children[i] = copySubtree(from->child(i),nullptr,0,nodesAbove+1);
           FlatMovingNode& to = out.ownMovingNodes[n];
           copyPlanes(&from->lower_x,children,to.atZero);
           const vfloat4* const differences = &from->lower_dx;
@@ -102,7 +103,7 @@ namespace embree
             to.begin[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->lower_t[i] : -largest;
             to.end[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->upper_t[i] : largest;
           }
-          return makeReference(movingNodeReference,index(n));
+          return makeReference(movingNodeReference,checkedIndex(n));
         }
 
         /*! planes: in the order of Embree's nodes: lower and upper x, y, z. */
@@ -118,19 +119,19 @@ namespace embree
           }
         }
 
-        uint32_t leaf (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
+        uint32_t copyLeaf (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t nodesAbove)
         {
           size_t type;
           const char* data = ref.leaf(type);
           if (grid) { // Embree encodes the first vertex of 2 x 2 quads, plus 1, above the 4 bits of the leaf type
             out.ownCells.push_back(FlatCell{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
-            return makeReference(cellReference,index(out.ownCells.size()-1));
+            return makeReference(cellReference,checkedIndex(out.ownCells.size()-1));
           }
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
             out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,
                                                ids[root->geomID()] });
-            return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
+            return copySubtree(root->root(),root,checkedIndex(out.ownBlocks.size()-1),nodesAbove);
           }
           if (type == MOVING_MESH_BLOCK)
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
@@ -146,10 +147,10 @@ namespace embree
           const uint32_t referenceType = moves ? movingBlockReference : format == MESH_FORMAT ? meshBlockReference
             : blockReference(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
           out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,format),referenceType,ids[surface] });
-          return makeReference(referenceType,index(out.ownBlocks.size()-1));
+          return makeReference(referenceType,checkedIndex(out.ownBlocks.size()-1));
         }
 
-        static uint32_t index (size_t i)
+        static uint32_t checkedIndex (size_t i)
         {
           if (i > referenceMask)
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene cannot be flattened: expected at most "
@@ -188,7 +189,7 @@ namespace embree
         out.typeName = nameOfType(geometry->getType());
         out.mask = geometry->mask;
         out.timeSteps = geometry->numTimeSteps;
-        out.isTraced = out.timeSteps == 1 || geometryOfTree(geometry,true) != nullptr;
+        out.isSupported = out.timeSteps == 1 || geometryOfTree(geometry,true) != nullptr;
         out.hasFilter = geometry->hasFilterFunctions();
         switch (int(geometry->getType()))
         {
@@ -212,7 +213,7 @@ namespace embree
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: {
           Instance* instance = (Instance*)geometry;
           out.type = FLAT_INSTANCE;
-          out.isTraced = out.timeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
+          out.isSupported = out.timeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
           scene.ownTransforms.emplace_back(new float[12*out.timeSteps]);
           if (out.timeSteps == 1) {
             copyTransform(instance->getWorld2Local(),out.worldToLocal);
@@ -237,7 +238,7 @@ namespace embree
       }
 
       /*! True if a tree was built over moving blocks. */
-      bool moves (BVH4::NodeRef root)
+      bool isMovingTree (BVH4::NodeRef root)
       {
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
         size_t type;
@@ -250,22 +251,22 @@ namespace embree
         std::unique_ptr<OwnedScene> flat(new OwnedScene);
         static_cast<FlatScene&>(*flat) = FlatScene();
         flat->version = flatSceneVersion;
-        flat->still.root = flat->moving.root = emptyReference;
+        flat->staticTree.root = flat->movingTree.root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
-        bool isAllTraced = true;
+        bool areAllSupported = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
         // if false, the trees stay empty, and the caller reports the geometry by its typeName
         for (const FlatGeometry& geometry : flat->ownGeometries)
-          isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
+          areAllSupported &= geometry.type == FLAT_NONE || geometry.isSupported;
 
         for (Accel* accel : scene->accels)
         {
-          if (!isAllTraced) break;
+          if (!areAllSupported) break;
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
           const BVH4* const bvh = (const BVH4*)data;
-          (moves(bvh->root) ? flat->moving : flat->still) = TreeCopy(*flat,scene->surfaceIDs).copy(bvh);
+          (isMovingTree(bvh->root) ? flat->movingTree : flat->staticTree) = TreeCopy(*flat,scene->surfaceIDs).copy(bvh);
         }
 
         flat->nodes = flat->ownNodes.data();

@@ -62,7 +62,7 @@ namespace embree
       const char* typeName;      //!< for messages, with article: "a triangle mesh"; null for FLAT_NONE
       uint32_t mask;
       uint32_t timeSteps;
-      bool isTraced;             //!< supported: static, compressed, or an instance without quaternions
+      bool isSupported;          //!< static, compressed, or an instance without quaternions
       bool hasFilter;
       uint64_t build;            //!< SurfaceBlocks::build: identifies blocks that scenes share; 0 for other types
       /* for FLAT_TRIANGLES: buffers of the application; strides in bytes */
@@ -88,7 +88,7 @@ namespace embree
     {
       uint32_t version;
       bool isRobust;             //!< the scene has RTC_SCENE_FLAG_ROBUST
-      FlatTree still, moving;    //!< static and moving surfaces
+      FlatTree staticTree, movingTree;
 
       FlatNode* nodes;
       FlatMovingNode* movingNodes;
@@ -104,8 +104,8 @@ namespace embree
 extern "C" {
 #endif
 
-/* Describes a committed scene. The caller must release the result with rtcReleaseFlatScene. If isTraced is false for a
- * geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
+/* Describes a committed scene. The caller must release the result with rtcReleaseFlatScene. If isSupported is false for
+ * a geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
  * scene's device if the scene is not committed, contains a damaged block of a file or a moving mesh block, or has more
  * nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h instead. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);

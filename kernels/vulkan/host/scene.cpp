@@ -136,7 +136,7 @@ private:
         if (geometry.type == FLAT_OTHER)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                             name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
-        if (!geometry.isTraced)
+        if (!geometry.isSupported)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
                             + std::to_string(geometry.timeSteps)
                             + " time steps), which Vulkan devices trace of compressed geometry, and of instances "
@@ -216,8 +216,8 @@ private:
       subtree.depth = from.depth;
       return subtree;
     };
-    part.tree = tree.join({copyTree(flat.still), copyTree(flat.moving), tree.buildTriangles(embree.get(), triangles),
-                           tree.buildInstances(embree.get(), instances)});
+    part.tree = tree.join({copyTree(flat.staticTree), copyTree(flat.movingTree),
+                           tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
   }
 
   static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
