@@ -170,9 +170,9 @@ TEST(BlockFormat, EncoderWritesAnnotatedLattice)
   expectAnnotated("A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
 }
 
-TEST(BlockFormat, EncoderWritesAnnotatedLooseGroup)
+TEST(BlockFormat, EncoderWritesAnnotatedGroupOfSeparateLeaves)
 {
-  expectAnnotated("A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
+  expectAnnotated("A group of separate leaves", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
 }
 
 TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels)

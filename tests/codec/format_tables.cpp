@@ -68,7 +68,7 @@ TEST(FormatTables, HeightsAndThicknessOfLatticesMatchPage)
     }
 }
 
-TEST(FormatTables, HeightsAndThicknessOfLooseLeavesMatchPage)
+TEST(FormatTables, HeightsAndThicknessOfSeparateLeavesMatchPage)
 {
   const float bins[8] = {1, 1.5f, 2, 3, 4, 6, 8, 12}, bin = 2.0f/32; // of a box 1 high
   for (uint32_t code = 0; code < 8; code++)

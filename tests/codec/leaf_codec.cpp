@@ -90,7 +90,7 @@ struct GroupLeaves
   LeafPatch leaf[4];
   bool isLattice;
 
-  GroupLeaves(uint32_t word, Heights heights, const NodeBox& parent) : isLattice(!isLoose(heights))
+  GroupLeaves(uint32_t word, Heights heights, const NodeBox& parent) : isLattice(!hasSeparateLeaves(heights))
   {
     for (int c = 0; c < 4; c++) leaf[c] = decodeLeaf(word, heights, c, parent);
   }
@@ -107,7 +107,7 @@ std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e)
   return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis;
 }
 
-// A point of an edge must be in a leaf of the group (if leaves are loose, the quad's own) within half a thickness of
+// A point of an edge must be in a leaf of the group (if leaves are separate, the quad's own) within half a thickness of
 // the surface. On the border of a block it must not be above that, and be within the border's width.
 void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
 {
@@ -127,7 +127,7 @@ void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const dou
   ASSERT_TRUE(found) << edge << " is in no leaf";
 }
 
-struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
+struct GroupCounts { unsigned lattices[SHAPES] = {}, separate[SHAPES] = {}, solid[SHAPES] = {}; };
 
 // Including edges that deviate by the rounding.
 void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
@@ -142,7 +142,7 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
       const EncodedGroup encoded = encodeGroup(parent, group);
       const float width = borderWidthOf(LeafEncoder::encodeBorderWidth(encoded.borderWidth));
       const GroupLeaves leaves(encoded.word, encoded.heights, parent);
-      (leaves.isLattice ? counts.lattices : counts.loose)[shape]++;
+      (leaves.isLattice ? counts.lattices : counts.separate)[shape]++;
       for (const LeafPatch& leaf : leaves.leaf) {
         ASSERT_FALSE(leaf.empty);
         counts.solid[shape] += leaf.solid;
@@ -173,9 +173,9 @@ TEST(LeafCodec, LeavesBoundEdgesOfTheirQuads)
   for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH})
     EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
   for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE})
-    EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
+    EXPECT_GT(counts.separate[shape], 3000u) << "shape " << shape;
   EXPECT_GT(counts.solid[ANYWHERE], 0u);
-  EXPECT_LT(counts.solid[COLLAPSED], 4*counts.loose[COLLAPSED]);
+  EXPECT_LT(counts.solid[COLLAPSED], 4*counts.separate[COLLAPSED]);
 }
 
 // Far from the origin, neighbors round copies of a vertex to positions that differ by a large part of a bin.
@@ -254,7 +254,7 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
   Random random(18);
   const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
               trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
-  unsigned lattices[4] = {}, loose[4] = {};
+  unsigned lattices[4] = {}, separate[4] = {};
   for (uint32_t height = 0; height <= 4; height++)
     for (const auto* corners : {square, trapezoid})
       for (Shape shape : {WAVY, ROUGH, ANYWHERE})
@@ -273,7 +273,7 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
               const uint32_t m = side.cell(i, cells);
               const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4),
                                        decodedBox(block, levels - 1, m/4));
-              (leaves.isLattice ? lattices : loose)[s]++;
+              (leaves.isLattice ? lattices : separate)[s]++;
               for (int step = 0; step <= 8; step++) {
                 const Double3 p = side.at((i + step/8.0)*quads/cells);
                 const double local[3] = {p.x, p.y, p.z};
@@ -285,7 +285,7 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
         }
   for (int s = 0; s < 4; s++) {
     EXPECT_GT(lattices[s], 2000u);
-    EXPECT_GT(loose[s], 500u);
+    EXPECT_GT(separate[s], 500u);
   }
 }
 
@@ -304,7 +304,7 @@ TEST(LeafCodec, LatticesMatchVerticesWithinHalfABin)
       makeGroup(random, shape, parent, group);
       for (auto& axis : group.border) axis[0] = axis[1] = false;
       const EncodedGroup encoded = encodeGroup(parent, group);
-      if (isLoose(encoded.heights)) continue;
+      if (hasSeparateLeaves(encoded.heights)) continue;
       lattices++;
       const double bin = latticeRange/latticeBins*parent.extent[2];
       bool found[9] = {};
@@ -333,7 +333,7 @@ TEST(LeafCodec, EveryHeightRoundTrips)
       for (int& h : heights) h = int(random.below(latticeBins));
       heights[vertex] = height;
       const Heights bits = packLattice(heights);
-      ASSERT_FALSE(isLoose(bits));
+      ASSERT_FALSE(hasSeparateLeaves(bits));
       for (int v = 0; v < 9; v++) ASSERT_EQ(latticeHeight(bits, v), heights[v]);
     }
 }
@@ -392,7 +392,7 @@ TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
         const Heights heights = heightsOf(encoded.get(), m/4);
-        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected)
+        ASSERT_EQ(hasSeparateLeaves(heights) && separateLeaf(heights, int(m%4)) == emptyLeaf, expected)
           << "height " << height << ", quad " << m;
       }
       EXPECT_EQ(encoded.statistics.invalidQuads, count);

@@ -36,7 +36,7 @@ unsigned violations(Form form, const Block* block, const Frame& frame, const She
   if (level == block->layout().nodeLevels || level == block->height()) return count;
   const uint32_t word = block->nodes()[nodesOfLevels(level) + m];
   const bool isGroup = isGroupLevel(kindOf(block->info), level, block->layout().nodeLevels);
-  if (isGroup && !isLoose(heightsOf(block, m)))
+  if (isGroup && !hasSeparateLeaves(heightsOf(block, m)))
     return count + !contains(form, decodeLattice(form, word, box), boundsOf(frame, sheet, level, block->height(), m));
   for (int c = 0; c < 4; c++)
     count += violations(form, block, frame, sheet, level + 1, 4*m + uint32_t(c), decode(form, word, c, box));

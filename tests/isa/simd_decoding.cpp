@@ -6,9 +6,9 @@
  * library.
  *
  * If all planes of a parent are multiples of 2^-12, no operation rounds: planes of nodes are multiples of 1/256 of
- * their parent's extent, planes of lattices of 1/1024, heights odd multiples of 3/512 in a lattice, and in loose leaves
- * of 1/32 of a child's extent, a multiple of 1/32 of the parent's. The finest are multiples of 2^-22 below 2, which
- * float represents. For such parents both results must be bit-identical, fused or not; for others they may round
+ * their parent's extent, planes of lattices of 1/1024, heights odd multiples of 3/512 in a lattice, and in separate
+ * leaves of 1/32 of a child's extent, a multiple of 1/32 of the parent's. The finest are multiples of 2^-22 below 2,
+ * which float represents. For such parents both results must be bit-identical, fused or not; for others they may round
  * differently, by at most maxRounding. */
 
 #include "kernels/cbvh/framed/node_decoder4.h"
@@ -81,7 +81,7 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
 
 /* Roundings that may differ, each by at most half an ulp of a number below 2, 2^-24. A plane of a box: product, sum and
  * extent on both sides, 6. A height has these, and on both sides the origin of the bins, their size (times up to 128,
- * relative), their thickness, and in a loose leaf three of these at the fourth corner: less than 32. */
+ * relative), their thickness, and in a separate leaf three of these at the fourth corner: less than 32. */
 constexpr double maxRounding = 32*0x1p-24;
 
 struct Comparison
@@ -134,11 +134,11 @@ Heights heightsOf(uint64_t bits) { return {uint32_t(bits), uint32_t(bits >> 32)}
 uint64_t randomHeights(Random& random)
 {
   uint64_t heights = uint64_t(random.bits()) << 32 | random.bits();
-  if (!isLoose(heightsOf(heights))) return heights;
+  if (!hasSeparateLeaves(heightsOf(heights))) return heights;
   for (int child = 0; child < 4; child++) {
     if (!random.chance(0.3)) continue;
     const uint64_t code = random.chance(0.5) ? solidLeaf : emptyLeaf;
-    heights = (heights & ~(uint64_t(looseMask) << (looseBits*child))) | code << (looseBits*child);
+    heights = (heights & ~(uint64_t(separateMask) << (separateBits*child))) | code << (separateBits*child);
   }
   return heights;
 }
@@ -163,17 +163,17 @@ template<typename MakeBox>
 void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
 {
   Random random(seed);
-  unsigned lattices = 0, loose = 0, solid = 0, empty = 0;
+  unsigned lattices = 0, separate = 0, solid = 0, empty = 0;
   for (int i = 0; i < 16000; i++) {
     const NodeBox parent = makeBox(random);
     const uint32_t word = random.bits();
     const uint64_t bits = randomHeights(random);
     const Heights heights = heightsOf(bits);
-    (isLoose(heights) ? loose : lattices)++;
+    (hasSeparateLeaves(heights) ? separate : lattices)++;
     const Lanes lanes = decodeLanes(word, &bits, parent, 4*random.below(4));
     for (int lane = 0; lane < 4; lane++) {
-      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane "
-                                      << lane);
+      SCOPED_TRACE(testing::Message() << "group " << i << (hasSeparateLeaves(heights) ? ", separate" : ", lattice")
+                                      << ", lane " << lane);
       const LeafPatch leaf = decodeLeaf(word, heights, lane, parent);
       solid += leaf.solid;
       empty += leaf.empty;
@@ -182,7 +182,7 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
       if (testing::Test::HasFailure()) return;
     }
   }
-  for (unsigned count : {lattices, loose, solid, empty}) EXPECT_GT(count, 1000u);
+  for (unsigned count : {lattices, separate, solid, empty}) EXPECT_GT(count, 1000u);
 }
 
 TEST(SimdDecoding, IsCompiledForNamedIsa) { EXPECT_STREQ(ISA_STR, TEST_ISA); }

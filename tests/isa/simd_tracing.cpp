@@ -125,9 +125,9 @@ uint64_t randomHeights(Random& random)
       const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf
                                                         : random.chance(0.1) ? emptyLeaf
                                                                              : any;
-      heights |= uint64_t(leaf) << (looseBits*child);
+      heights |= uint64_t(leaf) << (separateBits*child);
     }
-    return heights | uint64_t(random.below(8)) << looseThicknessShift | uint64_t(1) << 63;
+    return heights | uint64_t(random.below(8)) << separateThicknessShift | uint64_t(1) << 63;
   }
   int heights[9];
   for (int& h : heights) h = int(random.below(latticeBins));
@@ -526,7 +526,7 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
     const simd::NodeRay ray(segments.local);
     const uint64_t bits = randomHeights(random);
     const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
-    const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);
+    const uint32_t word = hasSeparateLeaves(heights) ? random.bits() : randomLatticeWord(random);
     NodeEntries::LeafTile tile;
     // the same four, four times
     for (uint32_t c = 0; c < 4; c++)

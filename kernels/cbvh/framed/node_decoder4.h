@@ -60,12 +60,12 @@ namespace embree
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
           : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! word: of the group. bits: its Heights, whose highest bit is set for loose groups. parent: box of the
+        /*! word: of the group. bits: its Heights, whose highest bit is set for separate leaves. parent: box of the
          *  group. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
-          else decodeLoose(word,bits,parent);
+          else decodeSeparate(word,bits,parent);
           const vfloat4 x0 = plane(0,0), y0 = plane(1,0);
           storeByLeaf(x0,y0,vfloat4(one)/(plane(0,1)-x0),vfloat4(one)/(plane(1,1)-y0),surfaces.footprint);
         }
@@ -144,19 +144,19 @@ namespace embree
 #endif
         }
 
-        __forceinline void decodeLoose (uint32_t word, uint64_t bits, const NodeBox& parent)
+        __forceinline void decodeSeparate (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           decodeNode(word,parent,boxes,first);
-          auto code = [&](int leaf) { return int(uint32_t(bits >> (looseBits*leaf)) & looseMask); };
+          auto code = [&](int leaf) { return int(uint32_t(bits >> (separateBits*leaf)) & separateMask); };
           const vint4 leaf(code(0),code(1),code(2),code(3));
           setLeaves(movemask(vboolf4(leaf == vint4(int(solidLeaf)))),movemask(vboolf4(leaf == vint4(int(emptyLeaf)))));
           vfloat4 q[4];
           for (int k=0; k<3; k++) q[k] = vfloat4((leaf >> (5*k)) & vint4(31)) + vfloat4(0.5f);
           q[3] = q[1]+q[2]-q[0];
           const vfloat4 lower = plane(2,0), extent = plane(2,1)-lower;
-          storeSurfaces(q,vfloat4(looseRange/float(looseBins))*extent,
-            madd(vfloat4(0.5f*(1.0f-looseRange)),extent,lower),
-                        looseThickness(uint32_t(bits >> looseThicknessShift) & 7u));
+          storeSurfaces(q,vfloat4(separateRange/float(separateBins))*extent,
+            madd(vfloat4(0.5f*(1.0f-separateRange)),extent,lower),
+                        separateThickness(uint32_t(bits >> separateThicknessShift) & 7u));
         }
 
         NodePlanes<16>& boxes;

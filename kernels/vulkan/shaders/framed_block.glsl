@@ -75,7 +75,7 @@ CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
 
 CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox box)
 {
-  if (isLoose(heights)) return cbvhNodeSlabs(ray, word, box);
+  if (hasSeparateLeaves(heights)) return cbvhNodeSlabs(ray, word, box);
   vec2 xy[4];
   for (int axis = 0; axis < 2; axis++) {
     float p0 = latticePlane(word, axis, 0, box), p1 = latticePlane(word, axis, 1, box),

@@ -63,7 +63,7 @@ namespace embree
           const QuadGroup quads = quadsOf(m+c);
           EncodedGroup encoded;
           if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded))
-            encoded = encodeLoose(boxes[c],quads);
+            encoded = encodeSeparate(boxes[c],quads);
           encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
           words[c] = add(m+c,quads,encoded,boxes[c]);
         }
@@ -91,7 +91,7 @@ namespace embree
         for (int c=0; c<4; c++) {
           const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
           if (leaf.empty) continue;
-          addLeaf(leaf,4*m+c,isLoose(encoded.heights));
+          addLeaf(leaf,4*m+c,hasSeparateLeaves(encoded.heights));
           addSharpEdges(quads,c,leaf.box);
         }
         return encoded.word;
@@ -119,8 +119,8 @@ namespace embree
         return group;
       }
 
-      /*! Measures a leaf. cell: its index in Morton order. loose: its group is loose. */
-      void addLeaf(const LeafPatch& leaf, uint32_t cell, bool loose)
+      /*! Measures a leaf. cell: its index in Morton order. isSeparate: its group has separate leaves. */
+      void addLeaf(const LeafPatch& leaf, uint32_t cell, bool isSeparate)
       {
         double slope[2] = { 0,0 };
         statistics.solidLeaves += leaf.solid;
@@ -131,9 +131,9 @@ namespace embree
         const float thickness =
           statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
         if (geometry.cellLevels == geometry.height)
-          statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,loose,thickness);
+          statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,isSeparate,thickness);
         else if (cell == 0) // one of four parts of the only quad
-          statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
+          statistics.fit.addQuad(geometry,0,0,leaf.box,slope,isSeparate,thickness);
       }
 
       /*! Measures how far a leaf extends past its quad's edges on sharp sides. quad: index in the group. box: of the

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Format of the leaves of cLEAF. A group of 2 x 2 leaves has a word, in place of a node of the last level, and 64 bits
- * of heights. lattice_encoder.h and loose_encoder.h encode groups; ../node_decoder4.h is the SIMD decoder. This header
- * compiles as C++ and GLSL.
+ * of heights. lattice_encoder.h and separate_encoder.h encode groups; ../node_decoder4.h is the SIMD decoder. Compiles
+ * as C++ and GLSL.
  *
  * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch, which shares edges with
  * adjacent patches.
@@ -15,8 +15,8 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Loose: for quads that fold over each other or have holes. The word is that of an inner node. Each child's box
- * contains a plane of its own, is solid (the box is the surface), or is empty.
+ * Separate leaves: for quads that fold over each other or have holes. The word is that of an inner node. Each child's
+ * box contains a plane of its own, is solid (the box is the surface), or is empty.
  *
  * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
  *
@@ -32,14 +32,14 @@ CBVH_BEGIN
 
 /*! The 64 bits of a group. In a lattice, the lower 7 bits of byte i are the height of vertex i, row by row without the
  *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
- *  loose groups. */
+ *  groups of separate leaves. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
   uint32_t high;  //!< bytes 4 to 7
 };
 
-CBVH_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u; }
+CBVH_FUNCTION bool hasSeparateLeaves (Heights heights) { return (heights.high >> 31) != 0u; }
 
 /* --- lattices ------------------------------------------------------------------------ */
 
@@ -90,32 +90,32 @@ CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox pa
   return parent.lower[axis] + at*parent.extent[axis];
 }
 
-/* --- loose leaves -------------------------------------------------------------------- */
+/* --- separate leaves ----------------------------------------------------------------- */
 
 /* Heights: per child 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit 60. */
-CVERT_CONSTANT int looseBits = 15;
-CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
+CVERT_CONSTANT int separateBits = 15;
+CVERT_CONSTANT uint32_t separateMask = 0x7FFFu;
 CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu; //!< instead of heights: see LeafPatch
 CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
-CVERT_CONSTANT int looseBins = 32;
-CVERT_CONSTANT float looseRange = 2.0f; //!< range of heights, in heights of the leaf's box
-CVERT_CONSTANT int looseThicknessShift = 60;
+CVERT_CONSTANT int separateBins = 32;
+CVERT_CONSTANT float separateRange = 2.0f; //!< range of heights, in heights of the leaf's box
+CVERT_CONSTANT int separateThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
-CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
+CBVH_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 /*! The 15 bits of a child: heights, solidLeaf or emptyLeaf. */
-CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
+CBVH_FUNCTION uint32_t separateLeaf (Heights heights, int child)
 {
-  int shift = looseBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
-  if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
+  int shift = separateBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
+  if (shift >= 32) return (heights.high >> (shift-32)) & separateMask;
   uint32_t bits = heights.low >> shift;
   if (shift != 0) bits |= heights.high << (32-shift);
-  return bits & looseMask;
+  return bits & separateMask;
 }
 
-CBVH_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CBVH_FUNCTION float looseThicknessOf (Heights heights) {
-  return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u);
+CBVH_FUNCTION int separateHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
+CBVH_FUNCTION float separateThicknessOf (Heights heights) {
+  return separateThickness((heights.high >> (separateThicknessShift-32)) & 7u);
 }
 
 /* --- surfaces ------------------------------------------------------------------------ */
@@ -144,17 +144,17 @@ struct LeafPatch
   bool empty;       //!< there is no surface
 };
 
-CBVH_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CBVH_FUNCTION LeafPatch decodeSeparateLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.box = decodeChild(word,child,parent);
-  uint32_t code = looseLeaf(heights,child);
+  uint32_t code = separateLeaf(heights,child);
   leaf.solid = code == solidLeaf;
   leaf.empty = code == emptyLeaf;
-  HeightBins bins = heightBins(leaf.box,looseRange,looseBins);
-  for (int c=0; c<3; c++) leaf.z[c] = heightInBins(bins,float(looseHeight(code,c)));
+  HeightBins bins = heightBins(leaf.box,separateRange,separateBins);
+  for (int c=0; c<3; c++) leaf.z[c] = heightInBins(bins,float(separateHeight(code,c)));
   leaf.z[3] = leaf.z[1]+leaf.z[2]-leaf.z[0];
-  leaf.thickness = looseThicknessOf(heights)*bins.size;
+  leaf.thickness = separateThicknessOf(heights)*bins.size;
   return leaf;
 }
 
@@ -188,7 +188,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
 /*! Decodes leaf `child` (column + 2 row) of a group. parent: decoded box of the group. */
 CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
-  if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);
+  if (hasSeparateLeaves(heights)) return decodeSeparateLeaf(word,heights,child,parent);
   return decodeLatticeLeaf(word,heights,child,parent);
 }
 

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Encodes a cLEAF group: a lattice, or loose leaves if no lattice is accurate enough. */
+/* Encodes a cLEAF group: a lattice, or separate leaves if no lattice is accurate enough. */
 
 #include "lattice_encoder.h"
-#include "loose_encoder.h"
+#include "separate_encoder.h"
 
 namespace embree
 {
@@ -40,7 +40,7 @@ namespace embree
     inline EncodedGroup encodeGroup(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;
-      if (!encodeLattice(parent,group,out)) out = encodeLoose(parent,group);
+      if (!encodeLattice(parent,group,out)) out = encodeSeparate(parent,group);
       out.borderWidth = borderWidth(group,out,parent);
       return out;
     }

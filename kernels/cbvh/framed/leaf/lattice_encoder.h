@@ -142,9 +142,9 @@ namespace embree
       return true;
     }
 
-    /*! Fits the heights so that the surface passes through the vertices. In each iteration, each vertex moves its own
-     *  height by the distance of the surface from it. This converges if that height has the largest weight at the vertex;
-     *  otherwise the caller measures a large deviation, and rejects the lattice. */
+    /*! Fits the heights so that the surface passes through the vertices. Each iteration moves each vertex's own height
+     *  by the distance of the surface from the vertex. This converges if that height has the largest weight at the
+     *  vertex; otherwise the deviation stays large, and the caller rejects the lattice. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position position[9];
@@ -196,7 +196,7 @@ namespace embree
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
-       * bins should be loose. */
+       * bins should be separate leaves. */
       const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int iteration=0; ; iteration++) {

@@ -34,7 +34,7 @@ namespace embree
     /*! Counts of poor quads and edges, of a block or a patch. */
     struct LeafFit
     {
-      uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, loose or solid
+      uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, separate or solid
       uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
       uint32_t flippedQuads = 0;         //!< normal is off by over 90 degrees
 
@@ -57,8 +57,8 @@ namespace embree
           || poorEdges > maxPoorEdges*double(allEdges);
       }
 
-      /*! Adds a quad at (x,y) of a block and its leaf. slope: of the leaf's plane. isRough: the leaf is loose or solid.
-       *  thickness: in world space. */
+      /*! Adds a quad at (x,y) of a block and its leaf. slope: of the leaf's plane. isRough: the leaf is separate or
+       *  solid. thickness: in world space. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
         bool isRough, double thickness)
       {

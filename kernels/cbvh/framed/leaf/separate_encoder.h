@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes loose groups (format.h): one plane per leaf, for quads that no lattice represents. */
+/* Encodes groups of separate leaves (format.h): one plane per leaf, for quads that no lattice represents. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -38,17 +38,17 @@ namespace embree
 
     /*! Returns the 15 bits of a leaf. thickness: set to the smallest code that bounds the quad; a plane close to the
      *  vertices is also close to the edges. The leaf is solid if no code is large enough. */
-    inline uint32_t encodeLooseLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
+    inline uint32_t encodeSeparateLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
     {
       thickness = 0;
       if (group.boxes[quad].empty()) return emptyLeaf;
-      const HeightBins bins = heightBins(box,looseRange,looseBins);
+      const HeightBins bins = heightBins(box,separateRange,separateBins);
       double z[3];
       fitLeafPlane(box,group,quad,z);
       uint32_t leaf = 0;
       for (int c=0; c<3; c++) {
         const double q = std::floor((z[c]-bins.lower)/bins.size);
-        const uint32_t height = !(q > 0) ? 0 : q < looseBins-1 ? uint32_t(q) : looseBins-1;
+        const uint32_t height = !(q > 0) ? 0 : q < separateBins-1 ? uint32_t(q) : separateBins-1;
         leaf |= height << (5*c);
         z[c] = heightInBins(bins,float(height));
       }
@@ -68,9 +68,9 @@ namespace embree
       if (lowestBorder < slack)
       {
         const double up = std::ceil((slack-lowestBorder)/bins.size);
-        if (!(up < looseBins)) return solidLeaf;
+        if (!(up < separateBins)) return solidLeaf;
         for (int c=0; c<3; c++) {
-          if (looseHeight(leaf,c) + int(up) >= looseBins) return solidLeaf;
+          if (separateHeight(leaf,c) + int(up) >= separateBins) return solidLeaf;
           leaf += uint32_t(up) << (5*c);
         }
         lowest += up*bins.size;
@@ -79,7 +79,7 @@ namespace embree
       // these heights have another meaning
       if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
       const double deviation = std::max(-lowest,highest);
-      while (thickness < 8 && !(0.5*looseThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
+      while (thickness < 8 && !(0.5*separateThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
       if (thickness < 8) return leaf;
       thickness = 0;
       return solidLeaf;
@@ -87,7 +87,7 @@ namespace embree
 
     /*! Encodes a group. parent: its decoded box. All leaves have the largest of their thicknesses. Does not set
      *  borderWidth. */
-    inline EncodedGroup encodeLoose(const NodeBox& parent, const QuadGroup& group)
+    inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;
       out.word = encodeNode(parent,group.boxes);
@@ -95,10 +95,10 @@ namespace embree
       uint32_t code = 0;
       for (int c=0; c<4; c++) {
         uint32_t thickness;
-        heights |= uint64_t(encodeLooseLeaf(decodeChild(out.word,c,parent),group,c,thickness)) << (looseBits*c);
+        heights |= uint64_t(encodeSeparateLeaf(decodeChild(out.word,c,parent),group,c,thickness)) << (separateBits*c);
         code = std::max(code,thickness);
       }
-      heights |= uint64_t(code) << looseThicknessShift;
+      heights |= uint64_t(code) << separateThicknessShift;
       out.heights = { uint32_t(heights), uint32_t(heights >> 32) };
       return out;
     }
