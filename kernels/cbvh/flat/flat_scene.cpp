@@ -34,7 +34,7 @@ namespace embree
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
-      /*! Copies a tree of Embree's nodes, depth first, to the arrays of a scene. */
+      /*! Copies a tree of Embree's nodes, depth first. */
       class TreeCopy
       {
       public:
@@ -61,8 +61,8 @@ namespace embree
                       offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
-        /*! Copies a subtree and returns its reference. grid: grid of GRID that contains the node, null above grids.
-         *  gridIndex: its index in ownBlocks. nodesAbove: their number. */
+        /*! Copies a subtree and returns its reference. grid: the grid that contains the node, null above grids.
+         *  gridIndex: its index in ownBlocks. nodesAbove: number of nodes above. */
         uint32_t copySubtree (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t nodesAbove = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;
@@ -237,7 +237,6 @@ namespace embree
         return out;
       }
 
-      /*! True if a tree was built over moving blocks. */
       bool isMovingTree (BVH4::NodeRef root)
       {
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
@@ -256,7 +255,7 @@ namespace embree
         bool areAllSupported = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
-        // if false, the trees stay empty, and the caller reports the geometry by its typeName
+        // if false, the trees stay empty, see rtcFlattenScene
         for (const FlatGeometry& geometry : flat->ownGeometries)
           areAllSupported &= geometry.type == FLAT_NONE || geometry.isSupported;
 

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* A committed scene as plain data without types of Embree, for traversal by the Vulkan library (kernels/vulkan), which
- * uploads it to a GPU. Nodes are copied. Blocks, vertices and indices are referenced, and remain valid until the scene
- * is committed again or released. */
+/* A committed scene as plain data without types of Embree, for back ends (kernels/vulkan). Nodes are copied. Blocks,
+ * vertices and indices are referenced: they are valid until the scene is committed again or released. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -16,19 +15,18 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Increment it when a struct below changes. libembree3 and libembree3_vulkan of different versions are
-     *  incompatible. */
+    /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
     static const uint32_t flatSceneVersion = 6;
 
-    /*! Four children. Unused children are emptyReference, with infinite bounds that no ray hits. */
+    /*! Unused children are emptyReference, with infinite bounds that no ray hits. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
       uint32_t children[4];           //!< references (reference.h) to nodes, blocks or cells
     };
 
-    /*! Four moving children. A plane at time t is its position at time 0 plus t times its difference; this is
-     *  conservative in float, fused or not. A child exists if begin <= t < end. */
+    /*! A plane at time t is its position at time 0 plus t times its difference: conservative in float, fused or not. A
+     *  child exists if begin <= t < end. */
     struct FlatMovingNode
     {
       FlatNode atZero;
@@ -46,7 +44,7 @@ namespace embree
       uint32_t geomID;   //!< in this scene; blocks store the surface number
     };
 
-    /*! 2 x 2 quads of a grid */
+    /*! 2 x 2 quads of a grid. */
     struct FlatCell
     {
       uint32_t block;    //!< index of the grid in blocks
@@ -55,7 +53,7 @@ namespace embree
 
     enum FlatGeometryType { FLAT_NONE, FLAT_SURFACE, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
 
-    /*! A geometry of the scene. Its type determines which members are valid. */
+    /*! Its type determines which members are valid. */
     struct FlatGeometry
     {
       FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
@@ -104,10 +102,10 @@ namespace embree
 extern "C" {
 #endif
 
-/* Describes a committed scene. The caller must release the result with rtcReleaseFlatScene. If isSupported is false for
+/* Flattens a committed scene. The caller must release the result with rtcReleaseFlatScene. If isSupported is false for
  * a geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
  * scene's device if the scene is not committed, contains a damaged block of a file or a moving mesh block, or has more
- * nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h instead. */
+ * nodes, blocks or cells than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */

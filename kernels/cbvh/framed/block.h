@@ -3,12 +3,11 @@
 
 /* Format of a block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. A block
  * consists of a header, the words of a complete quadtree (level by level, each in Morton order), and the leaves in
- * Morton order (cLEAF) or the vertices row by row (cGRID). Positions, parameters and vertex indices follow from
- * indices, so there are no pointers. framed/writer.h writes blocks, traversal and shaders read them, files contain them
- * as they are.
+ * Morton order (cLEAF) or the vertices row by row (cGRID). Positions and parameters follow from indices, so there are
+ * no pointers. Memory, files and GPUs use the same bytes.
  *
- * docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning. This
- * header compiles as C++ and GLSL. */
+ * docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning.
+ * Compiles as C++ and GLSL. */
 
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
@@ -18,7 +17,7 @@
 
 CBVH_BEGIN
 
-/*! Version of this format. Changes that affect readers must increment it. */
+/*! Increment it with changes that affect readers. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! True if words of the last node level are groups of leaves (leaf/format.h). */
@@ -59,7 +58,7 @@ CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 
 /* --- header -------------------------------------------------------------------------- */
 
-/*! Has 76 bytes, 12 modulo 16. A tree of nodes has 4 modulo 16 bytes, so both together need no padding to 16 bytes. */
+/*! 76 bytes, 12 modulo 16. A tree of nodes has 4 modulo 16 bytes, so both together need no padding. */
 struct BlockHeader
 {
   float center[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
@@ -96,8 +95,8 @@ CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 /* --- parameters ---------------------------------------------------------------------- */
 
 /*! Face parameter, u or v, of a point x quads from the block's corner. corner: parameter of the patch's corner, times
- *  2. block, last: positions of the block and the patch's last block. A division, because multiplying by a reciprocal
- *  would not always return 1 at the patch's end. */
+ *  2. block, last: positions of the block and the patch's last block. Divides, because a product with a reciprocal is
+ *  not always 1 at the patch's end. */
 CVERT_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
@@ -121,7 +120,7 @@ struct Block : public BlockHeader
   uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 
-  /*! Face parameters of a point, given in quads from the block's corner. */
+  /*! Face parameters of a point. x, y: in quads from the block's corner. */
   template<typename Float> Float faceU (const Float& x) const {
     return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x);
   }

@@ -3,16 +3,14 @@
 
 #pragma once
 
-/* World-space bounds of an encoded block, of two kinds: bounds of its vertices, and bounds of everything that a ray can
- * hit, which is slightly larger.
+/* World-space bounds of an encoded block: of its vertices, and of everything that a ray can hit, which are slightly
+ * larger.
  *
- * The top-level BVH uses bounds of vertices. A ray through the surface intersects the bounds of the block whose quad it
- * crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its lips close its
- * border. With bounds of leaves instead, cLEAF would have up to twice as many false hits at silhouettes, and cVOXEL a
- * tenth more.
+ * The top-level BVH uses the bounds of vertices. This loses no hit: a ray through the surface intersects the bounds of
+ * the block whose quad it crosses, and that block alone reports the hit (leaf/hit_rule.h). With bounds of leaves, cLEAF
+ * would have up to twice as many false hits at silhouettes, and cVOXEL a tenth more.
  *
- * Rays that intersect the bounds of vertices can hit geometry outside of them. The scene's bounds must therefore be
- * bounds of everything that a ray can hit, because applications clip rays to them. */
+ * The scene's bounds must contain everything that a ray can hit, because applications clip rays to them. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
@@ -23,11 +21,10 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! World-space bounds of a box in the frame. Bounds of its corners suffice, because a projective map keeps the box
-     *  convex. center: of the block. */
+    /*! World-space bounds of a box in the frame: of its corners, because a projective map keeps the box convex. */
     inline WorldBounds boundBox(const NodeBox& box, const float center[3], const InverseFrame& inverse)
     {
-      /* One lane per corner of a side; the two elements of arrays are the lower and the upper side in z. */
+      /* Lanes: corners in x and y. Elements of arrays: lower and upper z. */
       const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
       const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
       const double sides[2] = { box.lower[2],upperOf(box,2) };
@@ -50,8 +47,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Bounds of the vertices, enlarged by the distance at which a neighboring face may evaluate them
-     *  (vertexRounding). */
+    /*! Bounds of the vertices, enlarged by vertexRounding. */
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
@@ -62,7 +58,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Extends `bounds` by everything that a ray can hit in an encoded block. */
+    /*! Extends `bounds` by everything that a ray can hit. */
     class HitBounds
     {
     public:
@@ -77,8 +73,7 @@ namespace embree
       }
 
     private:
-      /*! Extends the bounds by the leaves below node m, with bounds `box`. Skips nodes that are inside of the
-       *  bounds. */
+      /*! Extends the bounds by the leaves below node m, whose box is `box`. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
         const WorldBounds own = boundBox(box,block->center,geometry.inverse);

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Encodes a block: fits a frame (frame_fit.h), then encodes nodes top-down, each relative to the decoded box of its
- * parent, so that rounding errors cannot accumulate. framed/writer.h calls it.
+ * parent, so that rounding errors cannot accumulate.
  *
  * Encoders of leaves, one per kind, have these members. m is an index in Morton order, box the decoded box.
  *
@@ -37,9 +37,9 @@ namespace embree
       bool fit(const float corners[4][3]) { return geometry.fit(corners); }
       bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block: room for
+      /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block:
        *  blockLayout(kind,height).bytes bytes, aligned to 16 bytes. x, y: position in the patch, in blocks. sharpSides:
-       *  mask of the block's sides where the surface ends or bends (sharpSidesOf()); only for statistics. */
+       *  mask of the block's sides where the surface ends or bends (sharpSidesOf()), for statistics. */
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
@@ -56,8 +56,7 @@ namespace embree
         }
       }
 
-      /*! Bounds for the top-level BVH, and bounds of everything that a ray can hit, see block_bounds.h. Require
-       *  encode(). */
+      /* See block_bounds.h. Require encode(). */
       WorldBounds surfaceBounds() const { return boundSurface(geometry); }
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Input of a block's encoders: its vertices in world space and in its frame, and exact bounds of all nodes of its
- * quadtree.
+/* Input of a block's encoders: its vertices in world space and in its frame, and exact bounds of all nodes.
  *
  * A cell is the surface below a node of the finest level: a quad, or a quarter of the only quad of a cLEAF block, whose
  * groups have four leaves. */
@@ -21,8 +20,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Smallest area of a quad in the frame, relative to the area that it would have if all quads were equal. Leaves
-     *  are more than 16 times as wide as smaller quads. */
+    /*! Smallest area of a quad in the frame, relative to an equal share of the unit square. Leaves are more than 16
+     *  times as wide as smaller quads. */
     static constexpr double minQuadArea = 1.0/256;
 
     class BlockGeometry
@@ -35,20 +34,20 @@ namespace embree
       Frame frame;
       InverseFrame inverse;
       float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
-      double coordinate = 0;      //!< largest absolute coordinate of these vertices; set by bound()
+      double coordinate = 0;      //!< largest absolute one of these vertices; set by bound()
       double rounding[4];         //!< per axis: largest distance between two faces' evaluations of a vertex
       ExactBox* boxes;            //!< of all quadtree levels down to cells; set by bound()
       double (*local)[4];         //!< vertices of cells in the frame, row by row; set by fit()
       uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite; set by bound()
 
-      /*! Bytes of scratch memory for blocks of this height and any kind. It must be aligned to 16 bytes. */
+      /*! Bytes of scratch memory for blocks of this height, of any kind. */
       static size_t scratchBytes(uint32_t height) {
         BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
         return geometry.layoutScratch(nullptr);
       }
 
-      /*! vertices: (2^height+1)^2 world positions, row by row. scratch: scratchBytes(height) bytes. Both must outlive
-       *  the object. */
+      /*! vertices: (2^height+1)^2 world positions, row by row. scratch: scratchBytes(height) bytes, aligned to 16. Both
+       *  must outlive the object. */
       BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : height(height), width((1u << height)+1),
           cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
@@ -73,7 +72,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // four finite vertices instead: the frame then contains the vertices, but is not aligned
+        if (!ok) // four finite vertices instead: the frame is then not aligned
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -83,8 +82,8 @@ namespace embree
         return true;
       }
 
-      /*! True if leaves would be much larger than most quads, because vertices are on a line or a few are far from the
-       *  others. Such blocks should not be compressed. Requires fit(). */
+      /*! True if leaves would be much larger than most quads, so that the block should not be compressed: vertices are
+       *  on a line, or a few are far from the others. Requires fit(). */
       bool isDegenerate() const
       {
         const uint32_t side = 1u << cellLevels, cells = side*side;
@@ -119,12 +118,11 @@ namespace embree
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
       const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
 
-      /*! True if all vertices are finite. */
       bool areAllFinite() const { return allFinite; }
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
-      /*! Sets pointers into the scratch memory. Returns the number of bytes needed. */
+      /*! Sets pointers into the scratch memory. Returns its size in bytes. */
       size_t layoutScratch(char* scratch)
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
@@ -174,7 +172,7 @@ namespace embree
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
       }
 
-      /*! Sets the boxes of node m, at cell or subtree (x,y), and of all nodes below it. Cells with a vertex that is not
+      /*! Sets the boxes of node m at (x,y) of its level, and of all nodes below it. Cells with a vertex that is not
        *  finite are empty; `invalid` counts them. */
       void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
       {

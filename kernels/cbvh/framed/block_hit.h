@@ -4,8 +4,7 @@
 #pragma once
 
 /* Converts a hit in a leaf to what Embree reports: face parameters, distance and normal. `Real` is float, or a vector
- * with one ray of a packet per lane. Both compute the same bits, because every product in a sum is explicitly fused or
- * not. */
+ * with one ray of a packet per lane. Both compute the same bits: every product in a sum is explicitly fused or not. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -23,7 +22,7 @@ namespace embree
         Real s;                    //!< parameter along the segment, see local_ray.h
         Real u, v;                 //!< position in the leaf's box, 0 to 1
         Real slopeX, slopeY;       //!< slopes of the surface, dz/dx and dz/dy
-        Bool fromAbove, fromBelow; //!< side of the surface from which the ray comes; none is set if unknown
+        Bool fromAbove, fromBelow; //!< side from which the ray comes; none is set if unknown
       };
 
       /*! The part of a ray in a block's box. */
@@ -33,9 +32,9 @@ namespace embree
         Real P[3], D[3];       //!< start and direction of the segment in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
-        Real scale, rcpDir2;   //!< see RayState
-        Real tnear, tfar;      //!< the ray's values before any hit
-        Real enter;            //!< where the ray enters the block's bounds
+        Real scale, rcpDir2;
+        Real tnear, tfar;      //!< of the ray before any hit
+        Real enter;            //!< distance at which the ray enters the block's bounds
 
         /*! Distance of a hit along the application's ray, between tnear and tfar. */
         __forceinline Real distanceAt (const Real& s) const {
@@ -75,7 +74,7 @@ namespace embree
         }
 
       private:
-        /*! Sets the world-space normal of the surface, of unit length, mirrored if it should be, see normal.h. */
+        /*! Sets the world-space unit normal, mirrored if necessary, see normal.h. */
         __forceinline void setNormal (const HitSegment<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
@@ -86,8 +85,7 @@ namespace embree
             n[k] = fusedNegative(level,Real(column[3]),
               fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
-          /* n is scaled first: its squares would overflow in blocks smaller than 1e-19. Two minima avoid divisions by
-           * 0. */
+          /* scaled first: squares would overflow in blocks smaller than 1e-19; the limits avoid divisions by 0 */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);

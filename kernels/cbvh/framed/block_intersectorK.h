@@ -18,7 +18,7 @@ namespace embree
       template<int K, template<int,typename> class Visitor>
       struct BlockIntersectorK
       {
-        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. */
+        /*! Returns the rays that accepted a hit. */
         template<typename Rays>
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               const RayStates<K>& state, const Block* block)

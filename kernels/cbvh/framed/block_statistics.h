@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics that encoders of all kinds collect about a block, in particular the thickness of its leaves. */
+/* Statistics of a block, which encoders of all kinds collect. */
 
 #include "leaf/leaf_fit.h"
 
@@ -15,14 +15,13 @@ namespace embree
     {
       uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
-      bool affine = false;         //!< the frame is affine
+      bool affine = false;         //!< of the frame
       float maxThickness = 0;      //!< largest thickness, in world space
       LeafFit fit;
 
       /*! Adds a leaf, and returns its thickness in world space: the distance between the plane z = slope (x,y) through
-       *  the middle of a box and the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the
-       *  world-space plane (a_x Rx + a_y Ry + a_z Rz - k Rw).p = const, with the rows R of the map. The length of its
-       *  normal divided by W is the distance in the frame per world-space unit. */
+       *  the middle of a box and the same plane moved up by `thickness`. The length of the plane's world-space normal
+       *  (normal.h), divided by W, is the distance in the frame per world-space unit. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
         const double c[3] =

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Access to the decoded nodes of a block, in tiles of two levels (node_cache.h). Decodes them into the thread's cache
- * if necessary.
+/* Returns the decoded nodes of a block as tiles of two levels (node_cache.h), decoding them into the thread's cache if
+ * necessary.
  *
- * The last tiles end with the leaves. If the number of levels is odd, the root of the quadtree is therefore the only
- * child of the first tile, whose node is above the root. A root that is a leaf is the only grandchild.
+ * The last tiles end with the leaves. If the number of levels is odd, the first tile's node is therefore above the
+ * root, which is its only child. A root that is a leaf is the only grandchild.
  *
  * References are valid until the next call of tile() or leafTile(), or until a hit is reported, because a filter
  * function may trace further rays. */
@@ -32,12 +32,12 @@ namespace embree
           : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)),
             heights((const char*)block + layout.leafOffset) {}
 
-        /*! Level of the first tile's node: 0 for the root, negative above it. */
+        /*! Level of the first tile's node: negative above the root. */
         __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
-        /*! Level of the nodes of the last tiles, whose grandchildren are leaves. */
+        /*! Level of the last tiles' nodes. */
         __forceinline int lastLevel () const { return nodeLevels-2; }
 
-        /*! Returns the tile below node m of a level, with decoded children. m: 0 for a tile above the root. */
+        /*! Returns the tile below node m (0 above the root) of a level, with decoded children. */
         __forceinline Tile& tile (int level, uint32_t m)
         {
           const uint32_t number = numberOf(level,m);
@@ -46,7 +46,7 @@ namespace embree
           return tile;
         }
 
-        /*! Returns a tile of the last level of cLEAF, with decoded children. */
+        /*! As above, for the last level of cLEAF. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -55,7 +55,7 @@ namespace embree
           return tile;
         }
 
-        /*! True if the slot still contains the tile `number` of this block, and the grandchild `child` is decoded. */
+        /*! True if the slot still contains tile `number` of this block, and if grandchild `child` is decoded. */
         __forceinline bool isCached (const Tile& tile, uint32_t number) const {
           return tile.block == block && tile.number == number;
         }
@@ -97,15 +97,15 @@ namespace embree
           tile.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
-        /*! Prefetches a block that was not visited recently, because its accesses depend on each other, so that nothing
-         *  hides their latency. Times 3: the heights of cLEAF need at most twice the bytes before them. */
+        /*! Prefetches a block that was not visited recently: nothing hides the latency of its accesses, which depend on
+         *  each other. Times 3: cLEAF's heights have at most twice the bytes before them. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! Sets the only grandchild of a tile above a root that is a leaf. The others do not exist (Tile::present). */
+        /*! For a root that is a leaf: the only grandchild of its tile. */
         static __forceinline void setRootBox (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Base of the visitors that intersect the leaves of a block with a single ray: the ray, and reports of its hits.
- * Visitors of each kind are in grid/, leaf/ and voxel/. */
+/* Base of the visitors in grid/, leaf/ and voxel/, which intersect leaves with a single ray: reports its hits. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -29,7 +28,7 @@ namespace embree
         const LocalRay& local;
         const NodeRay& nodeRay;
         BlockTiles& tiles;
-        float sBest;  //!< s of the ray's nearest hit, or 1: leaves that begin after it are skipped
+        float sBest;  //!< s of the ray's nearest hit, at most 1
         bool isHit;   //!< a hit in this block was accepted
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,
@@ -54,9 +53,8 @@ namespace embree
           return local.endClipped && ranges.sFar[leaf] > 1.0f;
         }
 
-        /*! Reports a hit. Returns true if the walk must treat it as a hit: it was accepted, or it would have been
-         *  accepted if this block had been visited before the block with the ray's nearer hit. leaf: index in Morton
-         *  order. */
+        /*! Reports a hit. Returns true if it was accepted, or if a hit of another block takes precedence: the walk must
+         *  not depend on the order of blocks. leaf: index in Morton order. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitSegment<float> segment = {

@@ -51,7 +51,7 @@ namespace embree
         __forceinline void passBoxes (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! Rays that begin (end) inside a leaf's box, at tnear (tfar). */
+        /* As in BlockVisitor1. */
         __forceinline vbool<K> startsInside (const BoxRangesK<K>& box) const {
           return nodeRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
@@ -99,7 +99,7 @@ namespace embree
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! Rays whose hits take precedence over their current hits. comparedT, hitT: see NearestHit. */
+        /*! Rays whose hits take precedence over their current ones. */
         __forceinline vbool<K> precedes (const vbool<K>& lanes, const vfloat<K>& comparedT, const vfloat<K>& hitT) const
         {
           vbool<K> front = comparedT < rays.tfar;

@@ -6,14 +6,14 @@
 /* Traverses a block's quadtree with a single ray, front to back, two levels (a tile, node_cache.h) at a time. A mask
  * stores the nodes of a tile that are not visited yet, so the stack has one entry per level of tiles.
  *
- * The Visitor intersects the leaves. It has the following members, and its functions are called in front-to-back order:
+ * The Visitor intersects the leaves, front to back. It has these members:
  *
  *    Tile& leafTile (uint32_t m)
  *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
  *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
  *      Intersects leaf 16 m + child, whose box the ray intersects. Returns true to end the walk.
  *    bool passSubtree (bool above)
- *      Called if the ray passes over (above is true) or under an entire subtree. Returns true to end the walk.
+ *      Called if the ray passes over (`above`) or under an entire subtree. Returns true to end the walk.
  *    uint32_t passedMask
  *      All bits set to request calls of passSubtree, otherwise 0. May change.
  *    float sBest
@@ -39,9 +39,9 @@ namespace embree
 
         struct Level
         {
-          TileHits hits;  //!< nodes that were not visited yet
-          uint32_t m;     //!< index of the tile's node in its level
-          uint32_t number; //!< of the tile, to notice when the cache replaces it
+          TileHits hits;   //!< nodes that were not visited yet
+          uint32_t m;      //!< index of the tile's node in its level
+          uint32_t number; //!< of the tile, see BlockTiles::isCached
           NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
@@ -103,8 +103,7 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile with a decoded grandchild. Decodes it again if rays that a filter function traced have
-         *  replaced it in the cache. */
+        /*! Returns the tile with a decoded grandchild. Rays of a filter function may have evicted it. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.isDecoded(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
@@ -132,7 +131,7 @@ namespace embree
           }
         }
 
-        /*! True if the ray, which misses the grandchild or its parent, passes over it. */
+        /*! True if the ray passes over the grandchild or its parent, which it misses. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)

@@ -6,18 +6,18 @@
 /* Traverses a block's quadtree with a packet. Each ray visits nodes in the order of BlockWalk1, and therefore has the
  * same hits.
  *
- * The order follows from the signs of a ray's direction along x and y in the frame, so rays with the same signs share a
- * walk. If boxes overlap, some rays may require two children in the opposite order. The first child is then visited
- * twice: before the second child for the other rays, and after it for these rays.
+ * Rays whose directions have the same signs along x and y in the frame share a walk. If boxes overlap, some rays may
+ * require two children in the opposite order. The first child is then visited twice: after the second child for these
+ * rays, before it for the others.
  *
- * The Visitor intersects the leaves. It has the following members:
+ * The Visitor intersects the leaves. It has these members:
  *
  *    Tile& leafTile (uint32_t m)
  *      As in BlockWalk1.
  *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
  *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
  *    void passBoxes (const vbool<K>& above, const vbool<K>& lanes)
- *      Called if the rays in `lanes` pass over (above is true) or under an entire subtree.
+ *      Called if the rays in `lanes` pass over (`above`) or under an entire subtree.
  *    vbool<K> needsPassedBoxes ()
  *      Rays for which passBoxes() must be called. May change.
  *    bool tracksPassedBoxes
@@ -68,7 +68,7 @@ namespace embree
       private:
         static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
 
-        /*! Four siblings, and the rays that visit them, in the order of visits. One node can occur twice. */
+        /*! Visits of four siblings, in order. One node can occur twice. */
         struct Visits
         {
           BoxRangesK<K> box[4];   //!< by node
@@ -112,7 +112,7 @@ namespace embree
           }
         };
 
-        /*! Returns the rays that intersect the box. Calls passBoxes() for rays that pass it. */
+        /*! Returns the rays that intersect the box, and calls passBoxes() for others. */
         __forceinline vbool<K> intersectBox (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
@@ -163,7 +163,7 @@ namespace embree
           return level == last ? (Tile&)visitor.leafTile(m) : tiles.tile(level,m);
         }
 
-        /*! Returns a tile with the grandchildren below child c decoded. */
+        /*! Returns a tile with decoded grandchildren below child c. */
         __forceinline Tile& withChildren (int level, uint32_t m, uint32_t c)
         {
           if (level == last) {

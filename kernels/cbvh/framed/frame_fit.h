@@ -4,7 +4,7 @@
 #pragma once
 
 /* Fits frames: one 3D projective map per block, from world space to the block's box [0,1]^3, aligned to the block's
- * corners. BlockGeometry calls fitFrame().
+ * corners.
  *
  *    world           frame               p -> (X,Y,Z,W), linear in p
  *      ______         ______             x = X/W, y = Y/W, z = Z/W
@@ -13,24 +13,20 @@
  *   /__________\     |______|            line stays straight.
  *
  * In the plane of the corners, the map is the homography from the corner quad to the unit square. Along the normal, W
- * is constant and Z is the signed distance. The vertices are scaled to fill [0,1]^3, so that the root's bounds need no
- * bytes.
+ * is constant and Z is the signed distance. The vertices are scaled to fill [0,1]^3, so the root needs no bounds.
  *
- * The map is stored relative to "center", the world point of (1/2,1/2,1/2), where W = 1. This leaves 3 + 12 floats.
- * Vertices and ray origins are first made relative to the center, so that far from the origin only the precision that
- * the coordinates themselves lack is lost.
+ * The map is stored relative to "center", the world point of (1/2,1/2,1/2), where W = 1: 3 + 12 floats. Vertices and
+ * ray origins are first made relative to the center, so that no precision is lost far from the origin.
  *
  * Affine fallback. A homography is used only if
  *
- * - the corners, seen along the normal, form a convex quad without a corner triangle below 1/64 of the quad's area
- *   (folded and collapsed quads fail);
- * - W, over all vertices, stays within maxWRatio: z is stretched by 1/W, the error of the ray parameter in floats grows
- *   with the ratio, and W <= 0 is meaningless;
- * - the inverse map is positive at the eight corners of the box, within the same ratio: the box is then a bounded
- *   region of the world, and a ray's part in it is a segment with finite ends.
+ * - the corners, seen along the normal, form a convex quad without a corner triangle below 1/64 of the quad's area;
+ * - W, over all vertices, is positive and stays within maxWRatio: z is stretched by 1/W, and the error of the ray
+ *   parameter in floats grows with the ratio;
+ * - W, at the eight corners of the box, is positive and within a factor of 2 maxWRatio of the center's: the box is then
+ *   a bounded region of the world, and a ray's part in it is a segment with finite ends.
  *
- * Otherwise the axes are the mean edges, orthogonalized if nearly parallel. An affine frame fits less tightly, but is
- * as conservative.
+ * Otherwise the axes are the mean edges, or orthogonal if these are nearly parallel. Affine frames fit less tightly.
  *
  * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989 (square to quad); Selgrad et al. 2016,
  * Lier et al. 2018 (use for patches). */
@@ -48,14 +44,12 @@ namespace embree
     /*! Smallest distance of vertices from the faces of the frame's box: more than twice containmentSlack (node.h). */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! Largest distance between two faces' evaluations of a shared vertex, relative to its largest coordinate. An
-     *  evaluation has about twenty float operations. Bounds are widened by this distance, so that neighboring blocks
-     *  close the gap. */
+    /*! Largest distance between two faces' evaluations of a shared vertex, of about twenty float operations each,
+     *  relative to its largest coordinate. Bounds are widened by it, so that neighboring blocks close the gap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
-    /*! Smallest extent of a box relative to its largest: keeps maps of flat blocks and needles invertible. A frame is
-     *  "degenerate" if this widens x or y: leaves would be wider than their quads, and the block should not be
-     *  compressed. */
+    /*! Smallest extent of a box relative to its largest: keeps maps of flat blocks and needles invertible. If this
+     *  widens x or y, the frame is "degenerate": leaves would be wider than their quads. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
     /*! Orthonormal axes: e1 and e2 in the plane of the corners, n along its normal. */
@@ -64,7 +58,7 @@ namespace embree
       Double3 e1, e2, n;
     };
 
-    /*! Returns a unit vector that is orthogonal to `a`. */
+    /*! Returns a unit vector orthogonal to `a`. */
     inline Double3 anyOrthogonal(const Double3& a)
     {
       const Double3 axis = std::fabs(a.x) < std::fabs(a.y)
@@ -87,7 +81,7 @@ namespace embree
       const double ll = length(longest);
       if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
         plane.n = (1.0/ln)*plane.n;
-      else // the corners are collapsed
+      else // collapsed corners
         plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
       Double3 e1 = a - dot(a,plane.n)*plane.n;
       if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);
@@ -96,8 +90,8 @@ namespace embree
       return plane;
     }
 
-    /*! Sets `map` to the homography from the corners to the unit square, and z to the signed distance from the plane.
-     *  Returns false if the corners do not form a convex quad, or nearly do not. Based on: Heckbert 1989. */
+    /*! Sets `map` to the homography of the corners. Returns false if they do not form a convex quad, or nearly do not.
+     *  Based on: Heckbert 1989. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
@@ -139,7 +133,7 @@ namespace embree
       return true;
     }
 
-    /*! Sets `map` to the affine map from the parallelogram of the mean edges, or from a square if these are nearly
+    /*! Sets `map` to the affine map of the parallelogram of the mean edges, or of a square if these are nearly
      *  parallel. */
     inline void fitAffine(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
@@ -184,11 +178,11 @@ namespace embree
     /*! Bounds of the vertices after a map. */
     struct MappedVertices
     {
-      double lower[4], upper[4]; //!< of x, y and z; valid only if isWBounded()
+      double lower[4], upper[4]; //!< of x, y and z; require isWBounded()
       double minW, maxW;         //!< minW is -1 if W is not positive at each vertex
       double worldExtent;        //!< upper bound, on the longest axis
 
-      /*! vertices: at least one, relative to an origin. farthest: their largest absolute coordinate. */
+      /*! vertices: at least one. farthest: their largest absolute coordinate. */
       MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest)
         : worldExtent(2*farthest)
       {
@@ -212,9 +206,9 @@ namespace embree
       bool isWBounded() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box, and enlarges `vertices` accordingly. Keeps each extent
-     *  above minExtentRatio of the block's world-space size, and above the resolution of floats. Returns true if that
-     *  widened x or y (Frame::degenerate). origin: world position to which the map's points are relative. */
+    /*! Scales X, Y and Z so that the vertices fill the box. Widens extents below minExtentRatio of the block's
+     *  world-space size, or below the resolution of floats. Returns true if x or y was widened (Frame::degenerate).
+     *  origin: world position to which the map's points are relative. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
@@ -236,8 +230,7 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if W is positive and bounded at the eight corners of the box, which is then a bounded region of the
-     *  world. */
+    /*! True if W is positive and bounded at the eight corners of the box. */
     inline bool isBounded(const FrameMap& map, const Double3& center)
     {
       if (!map.projective) return true;
@@ -250,8 +243,8 @@ namespace embree
       return true;
     }
 
-    /*! Sets `distance` to the vertices' largest distance from the box's center on each axis of the frame. Returns false
-     *  if W is not positive or a distance is not finite. center: the frame's center, relative to the origin. */
+    /*! Sets `distance` to the vertices' largest distance from the box's center on each axis. Returns false if W is not
+     *  positive or a distance is not finite. center: relative to the vertices' origin. */
     inline bool centerDistances(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
       double distance[3])
     {
@@ -271,8 +264,8 @@ namespace embree
     }
 
     /*! Rounds a map to floats. Dropping the constants shifts the rounded center to (1/2,1/2,1/2). The map is then
-     *  scaled about the center until the box contains every vertex again; each attempt rounds anew. Requires
-     *  frame.center. Returns false if this fails. */
+     *  scaled about the center, and rounded anew, until the box contains every vertex again. Returns false if this
+     *  fails. Requires frame.center. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
@@ -303,9 +296,8 @@ namespace embree
       return false;
     }
 
-    /*! Sets `frame` to a map that is scaled to contain the vertices. Returns false if W is out of bounds or floats
-     *  cannot represent the map. vertices: `count` positions relative to origin, at least one. farthest: their largest
-     *  absolute coordinate. */
+    /*! Scales a map to contain the vertices. Returns false if W is out of bounds or floats cannot represent the map.
+     *  vertices: relative to origin. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
       Frame& frame)
     {
@@ -324,8 +316,8 @@ namespace embree
 
     /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats
      *  there. Returns false if floats cannot represent any frame; no finite vertices are known for which this happens.
-     *  corners: world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1). vertices: `count` world
-     *  positions to contain, finite, at least one. scratch: room for `count` points. */
+     *  corners: finite world positions to align to, in the order (0,0), (1,0), (0,1), (1,1). vertices: `count` finite
+     *  world positions to contain, at least one. scratch: memory for `count` points. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch,
       Frame& frame)
     {
@@ -354,7 +346,7 @@ namespace embree
       fitAffine(p,plane,map);
       if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
-      /* A square in the same plane works for all known vertices. */
+      /* a square in the same plane */
       map.X = LinearForm{ plane.e1, 0 };
       map.Y = LinearForm{ plane.e2, 0 };
       map.Z = LinearForm{ plane.n, 0 };

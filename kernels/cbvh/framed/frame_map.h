@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The map from world space to a block's box [0,1]^3 and its inverse, as linear forms in double precision. Encoders use
- * it, and code that needs world positions of boxes. Rays are mapped by local_ray.h. */
+/* The map from world space to a block's box [0,1]^3 and its inverse, as linear forms in double precision. local_ray.h
+ * maps rays. */
 
 #include "block.h"
 #include "../base/codec.h"
@@ -32,7 +32,7 @@ namespace embree
       bool projective;
     };
 
-    /*! The map of a block in SIMD form: maps a point relative to the center to lanes X, Y, Z and W. */
+    /*! Maps a point relative to the center to lanes X, Y, Z and W. */
     struct FrameLanes
     {
       Double4 columns[3];
@@ -44,7 +44,7 @@ namespace embree
       }
     };
 
-    /*! The frame of a block, as BlockHeader stores it. */
+    /*! See BlockHeader. */
     struct Frame
     {
       float center[3];
@@ -80,7 +80,7 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
-    /*! The map of a block from world points relative to its center. */
+    /*! The map from world points relative to the block's center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
       auto row = [&](int k, double d) { return LinearForm{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
@@ -88,8 +88,8 @@ namespace embree
     }
     inline FrameMap frameMap(const Block* block) { return frameMap(block->columns); }
 
-    /*! The inverse of a projective map is projective: 1/W and p/W, for a world point p relative to the center, are
-     *  linear forms of the position in the frame. */
+    /*! The inverse map. It is projective: 1/W and p/W, for a world point p relative to the center, are linear forms of
+     *  the position in the frame. */
     struct InverseFrame
     {
       LinearForm numerator[3], rcpW;
@@ -114,7 +114,7 @@ namespace embree
         rcpW = form(3);
       }
 
-      /*! Maps a position in the frame to a world position relative to the center. */
+      /*! Returns a world position relative to the center. */
       Double3 operator()(const Double3& local) const
       {
         const double w = 1/rcpW(local);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Interface of the paper's representations for single-ray traversal: selects the intersector by the block's kind.
- * traversal/kind_visitors1.h contains the replacement for libraries without them. */
+/* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/kind_visitors1.h replaces
+ * it in libraries without the paper's representations. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"
@@ -19,16 +19,16 @@ namespace embree
       class FramedRay
       {
       public:
-        /*! tfar: the ray's, before any hit. */
+        /*! tfar: before any hit. */
         __forceinline explicit FramedRay (float tfar) : state(tfar) {}
 
-        /*! True if a leaf of the top-level BVH is a block with a frame. type: see base/primitive_type.h. */
+        /*! type: of a leaf of the top-level BVH, see base/primitive_type.h. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
-        /*! Must be called before intersect(). t: distance at which the ray enters the bounds of the next block. */
+        /*! Required before intersect(). t: distance at which the ray enters the bounds of the next block. */
         __forceinline void setEnter (float t) { state.enter = t; }
 
-        /*! Returns true if a hit was accepted. prim: a block with a frame; a damaged one has no hits. */
+        /*! Returns true if a hit was accepted. A damaged block has no hits. */
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
@@ -43,7 +43,7 @@ namespace embree
           }
         }
 
-        /*! Returns the ray's final tfar, see NearestHit. Must be called after the traversal. */
+        /*! Required after the traversal: returns the ray's final tfar, see NearestHit. */
         __forceinline float finalTfar (float tfar) const { return state.nearest.finalTfar(tfar); }
 
       private:

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* framed_rays1.h for packets. A build without the paper's representations uses traversal/no_framed_raysK.h instead. */
+/* framed_rays1.h for packets. traversal/no_framed_raysK.h replaces it in libraries without the paper's
+ * representations. */
 
 #include "block_intersectorK.h"
 
@@ -19,7 +20,7 @@ namespace embree
       public:
         __forceinline explicit FramedRaysK (const vfloat<K>& tfar) : state(tfar) {}
 
-        /*! Must be called before intersect(). t: distances at which rays enter the bounds of the next block. */
+        /*! See FramedRay. */
         __forceinline void setEnter (const vfloat<K>& t) { state.enter = t; }
 
         /*! Returns the rays that accepted a hit. */
@@ -38,7 +39,7 @@ namespace embree
           }
         }
 
-        /*! Sets the final tfar of rays. Must be called after the traversal. */
+        /*! Required after the traversal: sets the final tfar of rays. */
         __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const {
           state.setFinalTfar(valid,tfar);
         }

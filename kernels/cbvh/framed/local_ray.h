@@ -1,20 +1,19 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray in the frame of a block: scalar version for shaders, tests and double precision. local_ray4.h is the SIMD
- * version for traversal.
+/* A ray in the frame of a block: scalar version for shaders and tests. local_ray4.h is the SIMD version.
  *
  * The projective map transforms the part of the ray inside the block's box to a segment P(s) = P0 + s (P1-P0), s in
  * [0,1]. Traversal uses s only. The world parameter follows exactly from W at both ends:
  *
  *   tau(s) = s w0 / (w1 (1-s) + s w0),   t = t0 + tau (t1-t0)
  *
- * Numerics. The ray is first moved to its point nearest to the block's center, relative to that center. This loses a
- * few ulps of the distance between ray origin and block, as in any float ray tracer, and as many ulps of the block's
- * size: position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from the
+ * Numerics. The ray's origin is first moved to its point nearest to the block's center, relative to that center. This
+ * loses a few ulps of the distance between ray origin and block, as in any float ray tracer, and of the block's size:
+ * position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from the
  * center than its longest side. This loss, times the map's stretch of each axis and of W, plus a few ulps of 1, all
- * divided by W, is the vector "epsilon". Traversal widens every bound by it. Neighboring blocks see the same ray
- * displaced by less than their epsilons, so no ray passes between them. */
+ * divided by W, is the vector "epsilon", by which traversal widens every bound. Blocks see a ray displaced by less than
+ * their epsilons, so no ray passes between neighbors. */
 
 #ifndef CBVH_LOCAL_RAY_H
 #define CBVH_LOCAL_RAY_H
@@ -24,14 +23,13 @@
 
 CBVH_BEGIN
 
-/*! Bounds of a ray's displacement by rounding, see above: in ulps of the distance between ray and block, and in ulps of
- *  1. */
+/*! Bounds of a ray's displacement, see above: in ulps of its distance from the block, and in ulps of 1. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 
 /*! Distance from a box's center to its surface, relative to 1/(the smallest stretch of x, y and z). If the sides are
- *  orthogonal, the longest is at most sqrt(3) times this, and extends sqrt(3)/2 of that length: the 3/2 ulps lost there
- *  are less than distanceUlps of this. */
+ *  orthogonal, the longest is at most sqrt(3) times that reciprocal. It extends half of this from the center, and 3/2
+ *  ulps there are less than distanceUlps of this distance. */
 CVERT_CONSTANT float reachOfBox = 0.75f;
 
 /*! Greater than any ray parameter. */
@@ -78,7 +76,7 @@ CVERT_REAL struct Segment
   bool valid;        //!< false for a miss
 };
 
-/*! Component k of epsilon times W. distance: largest component of the ray's origin relative to the center. */
+/*! Component k of epsilon, times W. distance: largest component of the ray's origin relative to the center. */
 CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
 {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
@@ -94,8 +92,7 @@ CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int 
   return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
-/*! Maps a ray into the frame of a block, and clips it to the block's box. widening: factor of epsilon; 1 in the SIMD
- *  version. */
+/*! Maps a ray into a block's frame, and clips it to the block's box. widening: factor of epsilon, 1 in traversal. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
@@ -142,7 +139,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_
   return segment;
 }
 
-/*! tau(s), see the top of this file: fraction of the way from t0 to t1. */
+/*! tau(s), see above. */
 CVERT_REAL CBVH_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
@@ -165,7 +162,7 @@ CVERT_REAL CBVH_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Re
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
-/*! Range of s in which the segment's line is inside of a box, widened by epsilon, on the first `axes` (2 or 3) axes. */
+/*! Range of s in which the segment's line is inside of a box widened by epsilon, on the first `axes` (2 or 3) axes. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));

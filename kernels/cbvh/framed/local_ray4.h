@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* local_ray.h for single rays on the CPU, with the axes of a point in the lanes of a vector. */
+/* local_ray.h for single rays on the CPU. The lanes of vectors are axes. */
 
 #include "local_ray.h"
 #include "nearest_hit.h"
@@ -18,9 +18,9 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! A ray, and its nearest hit in blocks with frames. The direction is scaled so that its largest component is 1:
-       *  squares of directions of length 1e-20 or 1e20 then neither overflow nor underflow. t' is the distance along
-       *  the scaled direction, t the distance along the application's. */
+      /*! A ray, and its nearest hit in blocks with frames. The largest component of the direction is scaled to 1, so
+       *  that squares neither overflow nor underflow. t' is the distance along the scaled direction, t the distance
+       *  along the application's. */
       struct RayState
       {
         Vec3fa org, dir;
@@ -28,7 +28,7 @@ namespace embree
         float rcpScale; //!< t' = t * rcpScale
         float rcpDir2;  //!< 1/(dir.dir)
         float scaledTnear; //!< tnear as t'
-        float tfar;        //!< the ray's tfar before any hit
+        float tfar;        //!< before any hit
         float enter;       //!< lower bound of the distance to the block's bounds
         mutable NearestHit nearest;
 
@@ -66,7 +66,7 @@ namespace embree
         }
       };
 
-      /*! Returns s at distance t along the scaled direction, or 1 from the segment's end on. */
+      /*! Returns s at distance t along the scaled direction, at most 1. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
         return t < t1 ? localFraction(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
@@ -74,8 +74,7 @@ namespace embree
       /*! Bound of the error of localParameter(). */
       static const float slackOfS = 1e-5f;
 
-      /*! The part of a ray in a block's box. Products in sums are explicitly fused or not, so that packets compute the
-       *  same bits (node_rays.h). */
+      /*! See Segment. Products in sums are explicitly fused or not, so that packets compute the same bits. */
       struct LocalRay
       {
         vfloat4 P0, P1;   //!< both ends in the frame; lane 3 is undefined
@@ -85,8 +84,8 @@ namespace embree
         bool startClipped; //!< see Segment
         bool endClipped;
 
-        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its hit. The
-         *  segment is independent of `nearest`, so that results are independent of the order of blocks. */
+        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its nearest
+         *  hit. The segment does not depend on `nearest`, so that results do not depend on the order of blocks. */
         __forceinline bool init (const RayState& state, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
@@ -118,7 +117,7 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! Returns an s that is not before distance t along the application's ray, despite rounding. */
+        /*! Returns an s not before distance t along the application's ray, despite rounding. */
         __forceinline float parameterAfter (float rcpScale, float t) const {
           return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
         }

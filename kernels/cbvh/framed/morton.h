@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Morton order (Z-order) of nodes and leaves of a block: bits of x and y alternate, x in the even bits. The children of
- * node m are nodes 4 m to 4 m + 3 of the next level. */
+/* Morton order of nodes and leaves: bits of x and y alternate, x in the even bits. The children of node m are nodes 4 m
+ * to 4 m + 3 of the next level. */
 
 #ifndef CBVH_MORTON_H
 #define CBVH_MORTON_H

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The rule that makes hits in blocks with frames independent of the order in which blocks are visited. */
+/* Makes hits in blocks with frames independent of the order in which blocks are visited. */
 
 #include "block.h"
 #include "../base/surface_ids.h"
@@ -18,19 +18,18 @@ namespace embree
       using namespace embree::cbvh;
 
       /*! The nearest hit of a ray in blocks with frames. Blocks extend slightly past their top-level bounds
-       *  (block_bounds.h), so a ray can hit a block before it enters the block's bounds; traversal may then already
-       *  have culled the block. Hits are therefore compared by the greater one of two distances: the hit's own, and the
-       *  one at which the ray enters the block's bounds. This distance is the ray's tfar during the traversal; at its
-       *  end, tfar becomes the hit's own distance. Ties are resolved by own distances, then by the order of faces and
-       *  blocks. */
+       *  (block_bounds.h), so a hit can lie before the ray enters these bounds, and traversal may already have culled
+       *  the block. Hits are therefore compared by the greater of two distances: of the hit, and of the entry into the
+       *  bounds. During the traversal, this is the ray's tfar. Ties are resolved by the distances of hits, then by the
+       *  order of faces and blocks. */
       struct NearestHit
       {
         float comparedT = pos_inf; //!< distance by which hits are compared
         float hitT = pos_inf;      //!< distance of the hit itself
         const Block* block = nullptr;
 
-        /*! True if the current hit takes precedence over another one. tfar: the ray's current one; its hit can be of
-         *  another kind than blocks with frames. */
+        /*! True if the ray's current hit takes precedence over another one. tfar: of the ray; its hit may be in a
+         *  primitive that is no block with a frame. */
         __forceinline bool isBefore (float otherComparedT, float otherHitT, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherComparedT < tfar) ? false : otherComparedT > tfar || otherHitT > hitT
@@ -41,7 +40,7 @@ namespace embree
           this->comparedT = comparedT; this->hitT = hitT; this->block = block;
         }
 
-        /*! Returns the ray's final tfar: the hit's own distance, if the ray's nearest hit is this one. */
+        /*! Returns the ray's final tfar: hitT, if this is the ray's nearest hit. */
         __forceinline float finalTfar (float tfar) const { return block && tfar == comparedT ? hitT : tfar; }
 
       private:

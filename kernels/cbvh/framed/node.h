@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Format of inner nodes: a word of 32 bits for the bounds of 4 children, relative to their parent's decoded bounds. The
- * children are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row). node_encoder.h
- * encodes words; node_decoder4.h is the SIMD decoder. This header compiles as C++ and GLSL.
+ * children are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row). node_decoder4.h is
+ * the SIMD decoder. Compiles as C++ and GLSL.
  *
  *   column      0        1          Siblings share planes: both children of a
  *            |-----|  |-----|       column (row) have the same two x (y) planes,
@@ -14,9 +14,8 @@
  * Each child has one z interval, from a codebook of 8.
  *
  * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. A step, fused or not, is off by at most one
- * ulp of a number below 2, and 8 levels by less than 2^-20. The encoder keeps every decoded plane at least
- * containmentSlack away from the geometry. Bounds therefore contain the geometry on every ISA, whatever the compiler
- * contracts.
+ * ulp of a number below 2, and 8 levels by less than 2^-20. The encoder keeps every decoded plane at least this
+ * containmentSlack away from the geometry, so bounds contain it on every ISA.
  *
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */
@@ -44,7 +43,7 @@ CBVH_FUNCTION NodeBox rootBox ()
 
 CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
-/*! 2^-20, see above. */
+/*! See above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
 /* Codebooks are packed into words, because GPUs would load tables from memory. */
@@ -54,20 +53,19 @@ CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Small, because outer
- *  planes only compensate for the parent's rounding. */
+/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Only compensates for
+ *  the parent's rounding. */
 CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Inner plane, in parent extents: upper plane of column 0, which the lower plane of column 1 mirrors. 116, 125, 130,
- *  136, 144, 160, 192 or 256 of 256; the packed bytes are less by 1. Fine steps around the middle, where planes are in
- *  frames that are aligned to patches; 256 for surfaces that fold over their neighbor. */
+ *  136, 144, 160, 192 or 256 of 256; the packed bytes are less by 1. In frames that are aligned to patches, most planes
+ *  are near the middle; 256 is for surfaces that fold over. */
 CBVH_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
 
 /*! z intervals in parent extents. The first always contains the child. The others minimize the mean logarithm of a
- *  child's height over blocks of real and of analytic displacements: 8% less per level than halves and quarters. In
- *  1/32:
+ *  child's height, over blocks of real and analytic displacements: 8% less per level than halves and quarters. In 1/32:
  *
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Decoded nodes of blocks with frames, in the cache of a thread (base/thread_cache.h). block_tiles.h fills it.
- *
- * A tile contains the two levels below a node, which traversal tests at once: four children and sixteen grandchildren.
- * Grandchildren are decoded when a ray first intersects their parent. */
+/* Decoded nodes of blocks with frames, in the cache of a thread (base/thread_cache.h). block_tiles.h fills it. A tile
+ * contains the two levels below a node: four children and sixteen grandchildren. Grandchildren are decoded when a ray
+ * first intersects their parent. */
 
 #include "../base/thread_cache.h"
 #include <cstdint>
@@ -49,7 +48,7 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! If the slot's `block` or `number` differs, the caller must fill the slot and set both. */
+      /*! Returns a slot. If its `block` or `number` differs, the caller must fill it and set both. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
         return leafTiles[slot(block,number) % numLeafTiles];

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* SIMD decoder of nodes (node.h) and of cLEAF groups (leaf/format.h): all four children of a word at once. `first` is
- * the index of the first child in the output. block_tiles.h calls it. */
+/* SIMD decoder of nodes (node.h) and of cLEAF groups (leaf/format.h): all four children of a word at once. first: index
+ * of the first child in the output. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -40,7 +40,6 @@ namespace embree
         vfloat4::store(out.at[axis][1]+first,madd(upper,extent,from));
       }
 
-      /*! Decodes the children of an inner node. */
       template<int N>
       __forceinline void decodeNode (uint32_t word, const NodeBox& parent, NodePlanes<N>& out, uint32_t first)
       {
@@ -60,8 +59,7 @@ namespace embree
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
           : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! word: of the group. bits: its Heights, whose highest bit is set for separate leaves. parent: box of the
-         *  group. */
+        /*! bits: Heights of the group. parent: its box. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
@@ -81,8 +79,8 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! q: heights at corners (0,0), (1,0), (0,1) and (1,1) of each leaf's box, in bins. bin: extent of a bin in z.
-         *  base: z of height 0. thickness: in bins. */
+        /*! q: heights at the corners of each leaf's box, in bins. bin: extent of a bin in z. base: z of height 0.
+         *  thickness: in bins. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -123,7 +121,7 @@ namespace embree
           setLeaves(0,0);
         }
 
-        /*! Extracts the lattice's nine heights, see Heights, and distributes them to the corners of leaves. */
+        /*! Distributes a lattice's nine heights to the corners of leaves. */
         static __forceinline void latticeCorners (uint64_t bits, vfloat4 corner[4])
         {
           const __m128i bytes = _mm_cvtsi64_si128((long long)bits);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encodes node words (node.h). Decoded planes are computed in float, as decoders do, and compared in double with the
- * exact bounds, so that no plane is rounded inwards. */
+/* Encodes node words (node.h). Compares planes decoded in float with exact bounds in double, so that no plane is
+ * rounded inwards. */
 
 #include "node.h"
 #include "../base/codec.h"
@@ -39,7 +39,7 @@ namespace embree
       }
     };
 
-    /* The codebooks of node.h with one code per lane; innerPositions from code q on. */
+    /* The codebooks of node.h, one code per lane, the inner ones from q on. */
     inline Float4 outerOffsets() { return Float4(outerOffset(0),outerOffset(1),outerOffset(2),outerOffset(3)); }
     inline Float4 innerPositions(uint32_t q) {
       return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3));
@@ -48,15 +48,15 @@ namespace embree
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
-    /*! Returns a plane pair. outer, inner: masks of the codes whose planes contain the children. Selects the tightest:
-     *  the highest outer and the lowest inner code. */
+    /*! Returns the tightest plane pair: the highest outer and the lowest inner code. outer, inner: masks of the codes
+     *  whose planes contain the children. */
     inline uint32_t makePlanePair(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Plane pair with the highest lower planes of both columns that keep containmentSlack. Outer code 0 and inner code
-     *  7, the parent's planes, always keep it. lower, extent: of the parent. outer, inner: exact lower bounds of
-     *  columns 0 and 1. */
+    /*! Returns the highest lower planes of both columns that keep containmentSlack. Outer code 0 and inner code 7, the
+     *  parent's planes, always do. lower, extent: of the parent. outer, inner: exact lower bounds of columns 0 and
+     *  1. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -91,7 +91,7 @@ namespace embree
         upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
       }
 
-      /*! Returns the code of the smallest interval that contains a child with the slack. Interval 0 always does. */
+      /*! Code of the smallest interval that contains a child with the slack. Interval 0 always does. */
       uint32_t smallest(double childLower, double childUpper) const
       {
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
@@ -105,8 +105,8 @@ namespace embree
       Double4 lower[2], upper[2];
     };
 
-    /*! Returns the word of a node. parent: its decoded box, which must contain all children with the slack. Children
-     *  without geometry get arbitrary bounds. */
+    /*! parent: decoded box of the node, which must contain all children with the slack. Empty children get arbitrary
+     *  bounds. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
@@ -126,7 +126,7 @@ namespace embree
       return node;
     }
 
-    /*! The boxes of a node's children, decoded as by decodeChild(). */
+    /*! The boxes of a node's children, as decodeChild() returns them. */
     struct NodeBoxes
     {
       float lower[3][4], extent[3][4];

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A LocalRay prepared for tests of the boxes of nodes, four or more boxes at a time. block_walk1.h uses it. */
+/* A LocalRay prepared for tests of the boxes of nodes, four or more boxes at a time. */
 
 #include "local_ray4.h"
 #include "node_cache.h"
@@ -18,11 +18,11 @@ namespace embree
       struct NodeRay
       {
         vfloat4 P, D;
-        vfloatV Pnear[3], Pfar[3]; //!< P moved by epsilon, so that boxes appear wider; the same in all lanes
+        vfloatV Pnear[3], Pfar[3]; //!< P moved by epsilon, which widens boxes; the same in all lanes
         vfloatV rcpD[3];
         float epsilonZ;
         uint32_t flip;             //!< bit k: the ray descends along axis k
-        size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes, which has two rows per axis
+        size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes
 
         __forceinline NodeRay (const LocalRay& ray)
         {
@@ -50,7 +50,7 @@ namespace embree
         /*! 1 if upper planes of an axis are near. */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
-        /*! The planes of all boxes through which a ray enters them. N/4 converts nearRow to bytes. */
+        /*! Planes through which the ray enters boxes, one per box. N/4 converts nearRow to bytes. */
         template<int N>
         __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const {
           return (const float*)((const char*)&c + nearRow[axis]*(N/4));
@@ -60,7 +60,7 @@ namespace embree
           return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
         }
 
-        /*! s at the near plane of box i, which is widened; leave() returns s at its far plane. */
+        /*! s at the widened near (enter) or far plane (leave) of box i. */
         template<int N>
         __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
@@ -79,7 +79,7 @@ namespace embree
         }
       };
 
-      /*! Values of s where the ray's line enters and leaves boxes; they may be outside of [0,1]. */
+      /*! Values of s, not clamped, at which the ray's line enters and leaves boxes. */
       template<int N>
       struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
 
@@ -89,15 +89,14 @@ namespace embree
         uint32_t passed; //!< boxes that the segment overlaps in x and y, but misses
       };
 
-      /*! Tests the first `number` boxes against the segment up to sBest. Sets `ranges`. vfloatW: vector type, with at
-       *  most vectorWidth lanes. */
+      /*! Tests the first `number` boxes against the segment up to sBest. Sets `ranges`. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks intersectBoxes (const NodeRay& ray, const NodePlanes<N>& c, float sBest,
         BoxRanges<N>& ranges,
                                         int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        /* copies, because the compiler must assume that the stores below modify the ray */
+        /* copies, because the stores below could modify the ray */
         const float* nearPlanes[3]; const float* farPlanes[3];
         vfloatW Pnear[3], Pfar[3], rcpD[3];
         for (int k=0; k<3; k++) {

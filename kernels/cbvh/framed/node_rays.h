@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* RayState and LocalRay (local_ray4.h) and NodeRay (node_ray.h) for packets, with one ray per lane. All results have
- * the same bits as those of single rays, so that packets have the same hits. Lanes of inactive rays are undefined. */
+/* RayState, LocalRay (local_ray4.h) and NodeRay (node_ray.h) for packets, with one ray per lane. Results have the same
+ * bits as those of single rays. Lanes of inactive rays are undefined. */
 
 #include "node_ray.h"
 
@@ -38,7 +38,7 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
-        /*! Sets the final tfar of rays, see NearestHit::finalTfar. */
+        /*! See NearestHit::finalTfar. */
         __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -64,8 +64,7 @@ namespace embree
         vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their nearest
-         *  hits. */
+        /*! See LocalRay::init. Returns the rays that intersect the block's box. */
         __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
                                      const vbool<K>& valid)
         {
@@ -122,7 +121,7 @@ namespace embree
         }
 
       private:
-        /*! As LocalRay::Clip: keeps the part where a + tau d >= 0. */
+        /*! As LocalRay::Clip: clips to a + tau d >= 0. */
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
                                         vbool<K>& outside)
         {
@@ -172,7 +171,7 @@ namespace embree
         __forceinline vbool<K> intersects (const vfloat<K>& sBest) const {
           return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest);
         }
-        /*! Rays whose segment up to sBest passes through the box, over it or under it. */
+        /*! Rays whose segment up to sBest intersects the box or passes over or under it. */
         __forceinline vbool<K> overlapsXY (const vfloat<K>& sBest) const {
           return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
         }

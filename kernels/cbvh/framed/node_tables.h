@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tables for node_decoder4.h and tile_hits.h. One load per pair of planes replaces shifts, conversions and selects, and
- * returns the same floats for every instruction set. They are computed once, when the library is loaded. */
+/* Tables for node_decoder4.h and tile_hits.h, computed when the library is loaded. One load per pair of planes replaces
+ * shifts, conversions and selects, and returns the same floats on every instruction set. */
 
 #include <cstdint>
 
@@ -27,7 +27,7 @@ namespace embree
        *  other three bytes of each lane are 0x80, so that byte shuffles return integers. */
       alignas(16) uint8_t latticeCorner[4][16];
 
-      /*! Expand each bit of a mask of four to four bits: the lowest of them only, and all of them. */
+      /*! Expand each bit of a mask of four to four bits: only the lowest is set, or all are. */
       uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* World-space normals of hits in blocks with frames. This header compiles as C++ and GLSL; block_hit.h is the CPU's
- * version for traversal. */
+/* World-space normals of hits in blocks with frames. Compiles as C++ and GLSL; block_hit.h is the version of the CPU's
+ * traversal. */
 
 #ifndef CBVH_NORMAL_H
 #define CBVH_NORMAL_H
@@ -18,8 +18,8 @@ CVERT_REAL struct Vector
 };
 
 /*! Returns the world-space normal, not normalized, of the plane z = slopeX x + slopeY y + const through a point p of
- *  the frame. If M maps world space to homogeneous coordinates of the frame, a plane (a,b,c,d) of the frame is the
- *  plane (a,b,c,d) M of world space, so no inverse is required. */
+ *  the frame. If M maps world space to homogeneous coordinates of the frame, plane (a,b,c,d) of the frame is plane
+ *  (a,b,c,d) M of world space: no inverse is required. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
   CVERT_OF(Vector) normal;
@@ -30,12 +30,12 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_
   return normal;
 }
 
-/*! Squared sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the ray's
- *  origin. A normal that faces away by less than this angle is mirrored across the ray. */
+/*! Squared sine of 30 degrees. At a step behind a silhouette, the surface can face away from the ray. A normal that
+ *  faces away by less than this angle is mirrored across the ray. */
 CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
-/*! True if a normal must be mirrored. along: dot product of normal and direction. normal2, direction2: their squared
- *  lengths. from: Verdict::from of leaf/hit_rule.h. */
+/*! along: dot product of normal and direction. normal2, direction2: their squared lengths. from: Verdict::from of
+ *  leaf/hit_rule.h. */
 CVERT_REAL CBVH_FUNCTION bool isMirrored (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));

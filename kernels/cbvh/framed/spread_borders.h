@@ -5,15 +5,14 @@
 
 /* Borders of patches on edges of a lower rate. Embree evaluates such a border at the lower rate, and moves several
  * vertices of the patch to each of its vertices; the quads between them collapse. For blocks with frames, only the
- * nearest one stays there, and the others are distributed over the straight line to the next vertex. framed/writer.h
- * calls this before it encodes blocks.
+ * nearest one stays there, and the others are distributed over the straight line to the next vertex.
  *
  *     x---x---x---x---x---x      x: vertices of the patch
  *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
  *     o---x---x-o-x---x---o
  *
- * The border is the same polyline except for an outward displacement of 2^-20. No quad collapses or extends over
- * another block. Parameters along the border differ from the regular patch by at most half a quad. */
+ * Except for an outward shift of 2^-20, the border stays the same polyline. No quad collapses or extends over another
+ * block. Parameters along the border differ from the regular patch by at most half a quad. */
 
 #include "../surface/shared_border.h"
 #include <cmath>
@@ -22,9 +21,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Moves a point of a border outward by 2^-20 of its largest coordinate, but at most 1/16 of a quad: rounding of
-     *  the point and of triangle tests could otherwise leave a gap to a neighbor without a vertex there. inner: the
-     *  next vertex inside of the patch. */
+    /*! Moves a point of a border outward by 2^-20 of its largest coordinate, but at most 1/16 of a quad. Otherwise
+     *  rounding could leave a gap to a neighbor without a vertex there. inner: next vertex inside of the patch. */
     inline cbvh::Double3 movedOutward (const cbvh::Double3& p, const cbvh::Double3& inner)
     {
       const cbvh::Double3 outward = p - inner;

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* The grandchildren of a tile (node_cache.h) that a ray intersects, in front-to-back order, for block_walk1.h.
+/* The grandchildren of a tile (node_cache.h) that a ray intersects, front to back.
  *
  * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
- * with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: they have no order unless
- * their boxes overlap. A ray can then intersect both; the nearer one is visited first. */
+ * with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: a ray intersects both only
+ * if their boxes overlap; the nearer one is then visited first. */
 
 #include "block_tiles.h"
 #include "node_ray.h"
@@ -23,13 +23,12 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! Mask of ranks to visit. passedMask: all bits to include ranks that the ray passes, otherwise 0. */
+        /*! passedMask: all bits set to include ranks that the ray passes, otherwise 0. */
         __forceinline uint32_t ranksToVisit (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
 
-        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node, false if it passes
-         *  it. */
+        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node. */
         __forceinline bool removeUpTo (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
@@ -37,7 +36,7 @@ namespace embree
           return isHit;
         }
 
-        /*! True if the ray passes the grandchild's parent as a whole. */
+        /*! True if the ray passes the grandchild's parent. */
         __forceinline bool isPassedByParent (uint32_t grandchild) const {
           return !((childHit >> (grandchild >> 2)) & 1u);
         }
@@ -53,8 +52,7 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! Intersects a tile. Returns the intersected children whose children are not decoded: the caller must decode
-         *  them and call it again. */
+        /*! Intersects a tile. If it returns children, the caller must decode their children and call again. */
         __forceinline uint32_t intersect (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -100,7 +98,7 @@ namespace embree
 
         static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! Converts masks of grandchildren to masks of ranks. m: two masks of 16 bits. first: NodeRay::flipXY. */
+        /*! Converts grandchildren to ranks. m: two masks of 16 bits. first: NodeRay::flipXY. */
         static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {
@@ -122,7 +120,7 @@ namespace embree
           ranks = toRanks(masks.hit | masks.passed << 16,first);
         }
 
-        /*! Swaps alternatives among siblings if the ray overlaps both and the second is nearer. */
+        /*! Swaps alternatives that are both intersected or passed, if the second is nearer. */
         __forceinline void swapOverlapping ()
         {
           const uint32_t either = ranks | ranks >> 16;

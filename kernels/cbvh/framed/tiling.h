@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Division of a patch of a cage into blocks with frames: their number and size, from the patch's edge rates. */
+/* Divides a patch of a cage into blocks with frames. */
 
 #include "block.h"
 #include "../surface/plan.h"
@@ -33,7 +33,7 @@ namespace embree
       unsigned quadsY () const { return unsigned(quads.y); }
     };
 
-    /*! Level of a patch: the smallest level, up to maxLevel, with 2^level not below the highest rate. */
+    /*! Smallest level, up to maxLevel, with 2^level not below the highest rate. */
     inline unsigned levelOf (const float rate[4])
     {
       unsigned level = 0;
@@ -42,8 +42,8 @@ namespace embree
       return level;
     }
 
-    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if the patch then needs fewer bytes, as for long and
-     *  narrow patches or rates just above a multiple of the block's. */
+    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if the patch then needs fewer bytes, for example
+     *  because it is narrow. */
     inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
     {
       const unsigned level = levelOf(rate);

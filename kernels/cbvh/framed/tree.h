@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Scalar decoding of a block's tree, for all kinds: the box of a node's child, whether its word is a node's or a
- * group's. The first part compiles as C++ and GLSL. */
+/* Scalar decoding of a block's tree: the box of a child of a node or group. The first part compiles as C++ and GLSL. */
 
 #ifndef CBVH_TREE_H
 #define CBVH_TREE_H
@@ -17,8 +16,7 @@ CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLev
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
-/*! Box of a child. group: the word is a group's. heights: of the group; not used for other words. parent: decoded box
- *  of the word's node. */
+/*! group: the word is a group's. heights: used for groups only. parent: decoded box of the word's node. */
 CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;

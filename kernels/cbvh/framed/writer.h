@@ -4,8 +4,7 @@
 #pragma once
 
 /* Writer of the paper's representations: divides patches of a cage into blocks with frames (tiling.h), encodes them,
- * and appends them to a store. Blocks that cannot be compressed become Embree's grids. Each task owns a writer, which
- * reuses its memory. building/cage_source.h calls it. */
+ * and appends them to a store. Blocks that cannot be compressed become Embree's grids. Each task owns a writer. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -20,15 +19,15 @@ namespace embree
     class FramedWriter
     {
     public:
-      /*! If plan.sharesBorders(), patches have the vertices that faces share (surface/shared_border.h), and the caller
-       *  must be able to store a patch as cVERT, see write(). The arguments must outlive the writer. */
+      /*! If plan.sharesBorders(), borders have the vertices that faces share (surface/shared_border.h), and write() may
+       *  return false. The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           evaluatedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
           encoded(mesh->device,0) {}
 
-      /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, in world space, or the
-       *  patch's level. Encodes blocks to measure this, but writes nothing. */
+      /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, or the patch's level.
+       *  Encodes blocks to measure this, but writes nothing. */
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
@@ -57,8 +56,7 @@ namespace embree
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
-        /* holes: quads with vertices that are not finite. Only some kinds of leaves can leave out quads; nodes
-         * cannot. */
+        /* holes: quads with vertices that are not finite, which nodes and most kinds of leaves cannot leave out */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
@@ -68,7 +66,7 @@ namespace embree
         blocks.assign(count,BBox3fa(empty));
         cbvh::BuildStatistics patchStatistics;
         cbvh::WorldBounds patchHitBounds;
-        if (!hasHoles) { // vertices inside their bounds need no test
+        if (!hasHoles) { // for speed: nodes inside these bounds need no visit
           patchHitBounds.extend(lower[0],lower[1],lower[2]);
           patchHitBounds.extend(upper[0],upper[1],upper[2]);
         }
@@ -177,8 +175,9 @@ namespace embree
         return finite;
       }
 
-      /*! Encodes a block to `block`, and sets its bounds in `blocks`. Instead, writes a grid or a block of cGRID to the
-       *  store if the kind cannot represent the quads, or nothing if they are invalid or the patch becomes cVERT. */
+      /*! Encodes a block to `block`, and sets its bounds in `blocks`. If the kind cannot represent the quads, writes a
+       *  grid or a block of cGRID to the store instead. Writes nothing if the quads are invalid or the patch becomes
+       *  cVERT. */
       void writeBlock (const CagePatch& patch, TiledBlock& tiled, cbvh::Block* block,
                        cbvh::BuildStatistics& patchStatistics, cbvh::WorldBounds& patchHitBounds)
       {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Encoder of leaves of cGRID (members: block_encoder.h): stores the block's vertices as floats, all x, all y, then all
- * z. */
+/* Encoder of leaves of cGRID (block_encoder.h): stores the block's vertices as floats, all x, all y, then all z. */
 
 #include "../block_statistics.h"
 
@@ -27,7 +26,7 @@ namespace embree
         const uint32_t count = geometry.width*geometry.width;
         for (int k=0; k<3; k++)
           for (uint32_t i=0; i<count; i++)
-            // NaN, because rays could hit triangles with infinities, but never hit triangles with NaN
+            // rays could hit triangles with infinities, but no triangles with NaN
             *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;
         for (uint32_t i=0; i<kindFormats[kindGrid].padding/sizeof(float); i++) *out++ = 0.0f;
       }

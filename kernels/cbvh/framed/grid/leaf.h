@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads of full-precision vertices. Loads them as Embree's GRID does, so that the triangles and
- * their tests are the same. visitor1.h and visitorK.h use it. */
+/* Leaves of cGRID: 2 x 2 quads of full-precision vertices, loaded as in Embree's GRID, so that the triangles and their
+ * tests are the same. */
 
 #include "../block.h"
 #include "../../embree/traversal.h"
@@ -17,8 +17,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Maps barycentric coordinates of a triangle to face parameters, as Embree's tests require it. GridSOA::MapUV
-       *  loads stored parameters instead. Lanes are in the order of GridSOA's loaders. */
+      /*! Maps barycentric coordinates of triangles to face parameters, for Embree's triangle tests. Lanes are in the
+       *  order of GridSOA's loaders. */
       template<typename Loader>
       struct GridMapUV
       {
@@ -54,7 +54,7 @@ namespace embree
           : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)),
             y(2*mortonY(leaf)) {}
 
-        /*! Tests all triangles. Returns true if a hit was accepted. endsWithHit: may end at the first accepted hit. */
+        /*! Returns true if a hit was accepted. endsWithHit: may end at the first accepted hit. */
         __forceinline bool run (bool endsWithHit) const
         {
           // rows of vertices: a block of one quad has only 2

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cGRID with a single ray: a visitor of block_walk1.h, with the triangle test of Embree's GRID. */
+/* Visitor of block_walk1.h for leaves of cGRID, with the triangle test of Embree's GRID. */
 
 #include "../block_visitor1.h"
 #include "leaf.h"
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Embree's epilogue for M triangles of a block, for closest hits or any hit. */
+      /* Embree's epilogue for M triangles of a block. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
         return Intersect1EpilogMU<M,true>(ray,context,geomIDOf(context,block->surface),block->primID);
@@ -38,7 +38,7 @@ namespace embree
           return IsAnyHit<RayType>::value;
         }
 
-        /*! Tests M triangles, for GridLeaf. */
+        /*! For GridLeaf. */
         template<int M, typename MapUV>
         __forceinline bool intersectTriangles (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                   const MapUV& mapUV) const {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cGRID with a packet, one ray after the other: a visitor of block_walkK.h. */
+/* Visitor of block_walkK.h for leaves of cGRID. Tests one ray after the other. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Embree's epilogue for M triangles and ray k of a packet, for closest hits or any hit. */
+      /* Embree's epilogue for M triangles and ray k of a packet. */
       template<int M, int K>
       __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context,
                                                               const Block* block) {
@@ -49,7 +49,7 @@ namespace embree
         }
 
       private:
-        /*! Tests M triangles with ray k, for GridLeaf. */
+        /*! For GridLeaf. */
         struct Test
         {
           Rays& rays;

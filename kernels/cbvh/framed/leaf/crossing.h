@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a leaf of cLEAF: input of hit_rule.h, and positions of hits. Over a bilinear patch, the ray's
- * height above the patch is a parabola in s. This header compiles as C++ and GLSL; crossing1.h and visitorK.h are the
- * versions of crossPatch() for single rays and packets on the CPU. */
+/* How a ray crosses a leaf of cLEAF: input of hit_rule.h, and positions of hits. The ray's height above a bilinear
+ * patch is a parabola in s. Compiles as C++ and GLSL; crossing1.h and visitorK.h are the SIMD versions. */
 
 #ifndef CBVH_CROSSING_H
 #define CBVH_CROSSING_H
@@ -14,8 +13,8 @@
 
 CBVH_BEGIN
 
-/*! Height of the ray above the patch: f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 where the ray enters the
- *  leaf's box and 1 where it leaves the box. */
+/*! Height of the ray above the patch: f(k) = f0 + k (f1-f0) + saddle k (1-k). k is 0 where the ray enters the leaf's
+ *  box, 1 where it leaves. */
 CVERT_REAL struct Parabola
 {
   Real f0, f1, saddle;
@@ -25,7 +24,7 @@ CVERT_REAL CBVH_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
-/*! Returns the k at which f changes sign, or the end nearer to the patch if f has the same sign at both ends. */
+/*! Returns the k at which f changes sign, or the end nearer to the patch if the signs at both ends are the same. */
 CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
@@ -41,8 +40,8 @@ CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
   return magnitude(k-clamped) <= magnitude(other-otherClamped) ? clamped : otherClamped;
 }
 
-/*! The lip of a block's side, see hit_rule.h. It extends up to `depth` below the patch, within `width` of the side.
- *  width is a fraction of the leaf's box. epsilon: z component of the ray's epsilon, see local_ray.h. */
+/*! The lip of a block's side, see hit_rule.h: up to `depth` below the patch, within `width` of the side, a fraction of
+ *  the leaf's box. epsilon: z component of the ray's epsilon, see local_ray.h. */
 CVERT_REAL struct Lip
 {
   Real width, depth, epsilon;
@@ -50,12 +49,12 @@ CVERT_REAL struct Lip
 
 CVERT_REAL struct LipIntersection
 {
-  bool hit; //!< the ray intersects the lip
-  Real k;   //!< position in the lip; if !hit, the first position near the side
+  bool hit;
+  Real k;   //!< first position in the lip; if !hit, first position near the side
 };
 
-/*! Intersects a ray with a lip. p0, p1: distance of the ray from the side at entry and exit, in fractions of the box.
- *  Within the lip's width, f has its extremes at the ends of this part or at the parabola's vertex. */
+/*! p0, p1: distance of the ray from the side at entry and exit, in fractions of the box. Within the lip's width, f has
+ *  its extremes at both ends or at the parabola's vertex. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
   CVERT_OF(Lip) lip)
 {
@@ -111,7 +110,7 @@ CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox 
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
-/*! A ray's way through a leaf's box. */
+/*! A ray's path through a leaf's box. */
 CVERT_REAL struct Crossing
 {
   Real s0, s1;                //!< s at entry and exit
@@ -156,8 +155,8 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
   return x;
 }
 
-/*! Intersects a ray with the lips of leaf (leafX,leafY), which it crosses. Returns the first intersected lip in the
- *  order of sides. last: index of the last leaf along a side of the block. */
+/*! Intersects a ray with the lips of leaf (leafX,leafY). Returns the first one hit in the order of sides. last: index
+ *  of the last leaf along a side of the block. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
   uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)

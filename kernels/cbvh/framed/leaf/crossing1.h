@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* crossPatch() of crossing.h for a single ray and a leaf in the cache. Reuses the results of the box test. */
+/* crossPatch() of crossing.h for a single ray and a decoded leaf. */
 
 #include "../block_visitor1.h"
 #include "crossing.h"
@@ -14,8 +14,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Positions in a leaf's box, clamped to 0 to 1, at two values of s. s: lanes 0 and 1 have the first value, lanes
-       *  2 and 3 the second. Returns u and v for each. */
+      /*! Returns (u,v), clamped to 0 to 1, at s[0] in lanes 0 and 1, at s[2] in lanes 2 and 3. s[1] is s[0], s[3] is
+       *  s[2]. */
       __forceinline vfloat4 positionInLeaf (const NodeRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {
@@ -26,7 +26,7 @@ namespace embree
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
-      /*! ranges: results of the box test. started, ended: see LeafEvent. */
+      /*! ranges: of the box test. started, ended: see LeafEvent. */
       __forceinline Crossing<float> crossDecodedLeaf (const NodeRay& ray, const NodeEntries::LeafTile& tile,
                                                       uint32_t leaf, const BoxRanges<16>& ranges, bool started,
                                                       bool ended)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of leaves of cLEAF (members: block_encoder.h): groups of 2 x 2 cells, in the format of format.h. Encodes four
- * groups at a time (lattice_lanes.h) where it can, otherwise one by one (group_encoder.h), and measures the leaves. */
+/* Encoder of leaves of cLEAF (block_encoder.h): groups of 2 x 2 cells (format.h), four at a time (lattice_lanes.h) if
+ * possible, otherwise one by one (group_encoder.h). */
 
 #include "../block_geometry.h"
 #include "group_encoder.h"
@@ -22,14 +22,14 @@ namespace embree
         : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
           statistics(statistics) {}
 
-      /*! Stores the heights of group m, and returns its word. box: decoded bounds of the group. */
+      /*! Stores the heights of group m, and returns its word. box: decoded. */
       uint32_t group(uint32_t m, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! As above, for the children of a node, groups m to m+3. */
+      /*! As above, for groups m to m+3, the children of a node. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.areAllFinite()) {
@@ -73,8 +73,7 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! Returns bits of BlockHeader::info: the code of the smallest width that is not less than `width`, or 15 for the
-       *  entire box. */
+      /*! Returns bits of BlockHeader::info: the code of the smallest width not less than `width`, at most 15. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -136,8 +135,7 @@ namespace embree
           statistics.fit.addQuad(geometry,0,0,leaf.box,slope,isSeparate,thickness);
       }
 
-      /*! Measures how far a leaf extends past its quad's edges on sharp sides. quad: index in the group. box: of the
-       *  leaf. */
+      /*! Measures how far a leaf extends past its quad's edges on sharp sides. box: of the leaf. */
       void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
@@ -160,7 +158,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< maximum of all groups
+      double borderWidth = 0;  //!< of all groups
     };
   }}
 }

@@ -5,8 +5,8 @@
  * of heights. lattice_encoder.h and separate_encoder.h encode groups; ../node_decoder4.h is the SIMD decoder. Compiles
  * as C++ and GLSL.
  *
- * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch, which shares edges with
- * adjacent patches.
+ * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch. Adjacent patches share
+ * edges.
  *
  *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
  *       |   2   |    3   |   along its middle column and row of vertices. The surface
@@ -18,7 +18,7 @@
  * Separate leaves: for quads that fold over each other or have holes. The word is that of an inner node. Each child's
  * box contains a plane of its own, is solid (the box is the surface), or is empty.
  *
- * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
+ * A leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4.1, which stores each corner of each quad in 4 bits. */
@@ -68,16 +68,15 @@ CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! Distance of an outer plane from the parent's, in parent extents. Steps grow with the code, from 1/256: small ones
- *  compensate for rounding of the parent. The largest distance is a third, for quads that do not fill their parent. */
+/*! Distance of an outer plane from the parent's, in parent extents: up to a third, for quads that do not fill their
+ *  parent. Steps grow with the code, from 1/256; small distances compensate for rounding of the parent. */
 CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
-/*! Position of the middle plane, in parent extents: 33/128 to 95/128. It bounds nothing, so encoders round to
- *  nearest. */
+/*! Position of the middle plane, in parent extents: 33/128 to 95/128. Rounded to nearest: it bounds nothing. */
 CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest covers the distance of straight
- *  edges from the lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. A bin covers the rounding of heights; the rest, the distance of straight edges
+ *  from the lattice. */
 CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0 (lower), 1 (middle) or 2 (upper) on an axis of the frame. parent: box of the group. */
@@ -103,7 +102,7 @@ CVERT_CONSTANT int separateThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CBVH_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
-/*! The 15 bits of a child: heights, solidLeaf or emptyLeaf. */
+/*! Heights of a child, solidLeaf or emptyLeaf. */
 CBVH_FUNCTION uint32_t separateLeaf (Heights heights, int child)
 {
   int shift = separateBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
@@ -185,7 +184,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
   return leaf;
 }
 
-/*! Decodes leaf `child` (column + 2 row) of a group. parent: decoded box of the group. */
+/*! child: column + 2 row. parent: decoded box of the group. */
 CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (hasSeparateLeaves(heights)) return decodeSeparateLeaf(word,heights,child,parent);

@@ -12,8 +12,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Returns how far the quads' edges on the block's border are inside of their leaves' boxes, see
-     *  borderWidthOf(). */
+    /*! Largest distance of the quads' edges on the block's border from the outer side, see borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;
@@ -36,7 +35,7 @@ namespace embree
       return width;
     }
 
-    /*! Encodes one group. parent: its decoded box. */
+    /*! parent: decoded box of the group. */
     inline EncodedGroup encodeGroup(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Input of lattice_lanes.h: four QuadGroups, the children of a node, one per lane. */
+/* Four QuadGroups, the children of a node, one per lane. */
 
 #include "../block_geometry.h"
 #include "quad_group.h"

@@ -9,17 +9,17 @@
  *   f(s) = z of the ray - z of the leaf's patch,
  *
  * is evaluated where the ray enters and leaves the leaf's box (the paper's line test, but with the root of the patch
- * instead of the line's). The ray is above where f >= 0. A box contains its quads entirely, so the ray is also above
- * where it passes through the upper face, and below where it passes through the lower face. It hits where f changes
- * sign, or if it enters and leaves on different sides.
+ * instead of the line's). The ray is above where f >= 0. A box contains its quads, so the ray is also above where it
+ * passes through the upper face, and below where it passes through the lower face. It hits where f changes sign, or if
+ * it enters and leaves on different sides.
  *
- * Patches of adjacent groups each deviate from their shared edge by up to half a thickness. A ray could pass through
- * the step between them. It therefore remembers on which side it left the last leaf, or passed the last box. It hits
+ * Patches of adjacent groups deviate from their shared edge by up to half a thickness each. So that no ray passes
+ * through the step between them, a ray remembers on which side it left the last leaf, or passed the last box. It hits
  *
- * - at the entry of a leaf, if it enters on a side other than the remembered one;
+ * - at the entry of a leaf, if it enters on the other side;
  * - where it left a leaf, within half a thickness of it, if it then passes over (under) the next boxes, although it was
  *   under (over) that leaf;
- * - in a lip at the block's border. The neighbor there is in another block, which does not know the remembered side.
+ * - in a lip at the block's border, where the neighbor is in another block, which does not know the remembered side.
  *
  *      surface of A  ____           The encoder keeps both surfaces above their shared
  *      ---------.....|   ....---    edge by less than half a thickness. Lips extend down
@@ -27,19 +27,19 @@
  *                     edge          edge, so together they close the gap.
  *
  * Proof that no ray passes through. Inside a block, the leaves and passed boxes cover the ray's path in x and y without
- * a gap, and every change of the remembered side is a hit. A ray could only pass through if the first or last side that
- * it remembers were wrong. At its first position in the block there are two cases. First, the ray is outside of the box
- * of the quads there; its side is where it passes the box, or the face through which it enters. Second, it crosses an
- * edge on the border. Assume that it is above that edge (below is the same, mirrored, but the patch is above the edge
- * in both). At this position, the patch is at most half a thickness above the edge. If the ray is below the patch, it
- * is in the lip. If it is above, f >= 0 there, and one of three things happens: the ray leaves the leaf on the upper
- * side; or f changes sign after this position; or f changes sign before, which is in the lip unless the ray entered
- * through the lower face. For this reason, a change of sign is a hit even if the ray enters and leaves on the same
- * side, as it can where the box ends but its patch does not.
+ * a gap, and every change of the remembered side is a hit. So only the first or last side that a ray remembers could be
+ * wrong. At its first position in the block there are two cases. First, the ray is outside of the box of the quads
+ * there; its side is where it passes the box, or the face through which it enters. Second, it crosses an edge on the
+ * border. Assume that it is above that edge (below is the same, mirrored, but the patch is above the edge in both). At
+ * this position, the patch is at most half a thickness above the edge. If the ray is below the patch, it is in the lip.
+ * If it is above, f >= 0 there, and the ray leaves the leaf on the upper side; or f changes sign after this position;
+ * or f changes sign before, which is in the lip unless the ray entered through the lower face. For this reason, a
+ * change of sign is a hit even if the ray enters and leaves on the same side, as where the box ends but its patch does
+ * not.
  *
  * A ray that starts within half a thickness of a leaf's surface does not hit a step if it leaves the step's leaf on the
- * side that it remembers. Otherwise the surface would shadow its own points. A segment that starts (ends) in a leaf, at
- * tnear (tfar), hits the leaf only if f changes sign.
+ * remembered side: the surface must not shadow its own points. A segment that starts (ends) in a leaf, at tnear (tfar),
+ * hits the leaf only if f changes sign.
  *
  * In the paper, rays hit the near side of intervals. This also closes the steps, but thickens the surface: rays along a
  * crest hit what they should pass, hits are early by half a bin, and rays that start on the surface hit it again.
@@ -63,7 +63,7 @@ CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 /*! State of a ray's walk through a block. */
 struct WalkState
 {
-  uint32_t side;    //!< where it left the last leaf, or passed the last box
+  uint32_t side;    //!< on which it left the last leaf, or passed the last box
   bool pending;     //!< it was near the patch of the last leaf, and has not changed its side since
   bool fromSurface; //!< it starts in a leaf, within half a thickness
   bool found;       //!< a hit was accepted
@@ -116,7 +116,7 @@ CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
   return v;
 }
 
-/*! State after an accepted hit. The walk for the closest hit continues, because a nearer hit can follow. */
+/*! State after an accepted hit. */
 CBVH_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
@@ -158,7 +158,7 @@ CBVH_FUNCTION bool needsPassedBoxes (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! The rule for a box that the ray overlaps in x and y, but passes over (above is true) or under. Requires
+/*! The rule for a box that the ray overlaps in x and y, but passes over (`above`) or under. Requires
  *  needsPassedBoxes(). */
 CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
 {

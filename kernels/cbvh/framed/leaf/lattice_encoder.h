@@ -4,8 +4,7 @@
 #pragma once
 
 /* Encodes lattices (format.h): fits nine heights whose surface passes through the vertices, raises them at the block's
- * border, and bounds the distance of the quads' edges from the surface. lattice_lanes.h does the same for four groups
- * at a time. */
+ * border, and bounds the distance of the quads' edges from the surface. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -15,11 +14,10 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Smallest width of a cell relative to the group. Patches of narrower cells would be extrapolated too far. */
+    /*! Smallest width of a cell relative to the group: limits extrapolation of its patch. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! Distance of the fitted surface from vertices at which the fit ends, in bins. Small against the half bin of
-     *  rounding. */
+    /*! Distance of the surface from vertices at which the fit ends, in bins. Small against the half bin of rounding. */
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitIterations = 16; //!< of fitLattice()
 
@@ -61,8 +59,8 @@ namespace embree
         double maxMagnitude() const { return std::max(-lower,upper); }
       };
 
-      /*! Range of the surface's height above the straight edge from a to b. Between the planes that the edge crosses,
-       *  the surface over it is a parabola, which differs from its chord by at most a quarter of its quadratic term. */
+      /*! Range of the surface's height above the straight edge from a to b. Between planes, this height is a parabola,
+       *  which differs from its chord by at most a quarter of its quadratic term. */
       Range heightOver(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };
@@ -104,10 +102,10 @@ namespace embree
       }
     };
 
-    /*! Encodes the planes of an axis: adds their codes to `word`, and sets `planes` to the decoded ones. Outer planes
-     *  keep containmentSlack to all vertices; the middle plane is nearest to the mean of its vertices. Returns false if
-     *  a cell is too narrow, or if a vertex on the block's border is not in the cells of that side, where the
-     *  intersector searches for the border. */
+    /*! Adds the codes of an axis's planes to `word`, and sets `planes` to the decoded ones. Outer planes keep
+     *  containmentSlack to all vertices; the middle plane is nearest to the mean of its vertices. Returns false if a
+     *  cell is too narrow, or if a vertex on the block's border is not in the cells of that side, where the intersector
+     *  searches for it. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
       double planes[3])
     {
@@ -182,8 +180,8 @@ namespace embree
       }
     };
 
-    /*! Raises the heights of a side until the surface is above its edges by `slack`, in two steps. First step: raises
-     *  each height until the surface is above its vertex. */
+    /*! First step of raising the surface by `slack` above the edges of a side: raises each height until the surface is
+     *  above its vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       for (int v : side.vertex) {
@@ -195,8 +193,7 @@ namespace embree
     /*! Second step: raises all heights of the side together. Returns false if that moves the surface too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
-      /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
-       * bins should be separate leaves. */
+      /* raising a height also raises the surface next to it; quads that need more should be separate leaves */
       const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int iteration=0; ; iteration++) {
@@ -207,8 +204,7 @@ namespace embree
       }
     }
 
-    /*! Returns the smallest code of a thickness that bounds the distances of all edges from the surface, or 4 if none
-     *  does. */
+    /*! Smallest code of a thickness that bounds the distances of all edges from the surface, or 4 if none does. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };
@@ -233,8 +229,8 @@ namespace embree
       return { uint32_t(bits), uint32_t(bits >> 32) };
     }
 
-    /*! Encodes a group as a lattice. Returns false if no lattice is close enough to the quads. parent: decoded box of
-     *  the group. Does not set out.borderWidth. */
+    /*! Returns false if no lattice is close enough to the quads. parent: decoded box of the group. Does not set
+     *  out.borderWidth. */
     inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, EncodedGroup& out)
     {
       for (const ExactBox& box : group.boxes)

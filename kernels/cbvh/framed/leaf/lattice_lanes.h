@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* lattice_encoder.h for four groups at a time, one per lane, with the same operations in the same order, and therefore
- * the same bits. It exists for speed only. Supports regular groups: vertices outside of the middle column and row are
- * on their own side of the middle planes.
+/* lattice_encoder.h for four groups at a time, one per lane, with the same bits. Supports regular groups: vertices
+ * outside of the middle column and row are on their own side of the middle planes.
  *
  *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
  *      .       .        All positions in cells are then from 0 to 1.
@@ -13,8 +12,8 @@
  *      .       .
  *    0 .   1   . 2
  *
- * Distances of edges from the surface are computed as two bounds. lattice_encoder.h encodes groups for which the bounds
- * lead to different results, and irregular groups. */
+ * Distances of edges from the surface are computed as two bounds. lattice_encoder.h decides if these lead to different
+ * results, and encodes irregular groups. */
 
 #include "group_lanes.h"
 #include "lattice_encoder.h"
@@ -51,7 +50,7 @@ namespace embree
         if (encoded) encodeThickness(slack);
       }
 
-      /*! Stores words and heights of all lanes; those that are not encoded are undefined. */
+      /*! Stores words and heights of all lanes, undefined for those that are not encoded. */
       void store(uint32_t words[4], Heights out[4]) const
       {
         const Int4* const h = heights;
@@ -220,8 +219,8 @@ namespace embree
         }
       };
 
-      /*! Height of the surface above a point on the middle plane of an axis. isUpper: the point is in the upper cells
-       *  of the other axis. */
+      /*! Height of the surface above a point on the middle plane of an axis. isUpper: in the upper cells of the other
+       *  axis. */
       Double4 heightOver(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // indices of heights
@@ -232,7 +231,7 @@ namespace embree
       }
 
       /*! Bounds of the surface's height above the two edges of a row or column. The exact range contains lowest[0] to
-       *  highest[0], and lies within lowest[1] to highest[1]. These differ only in middle rows and columns. */
+       *  highest[0], and lies within lowest[1] to highest[1]. They differ only in middle rows and columns. */
     struct Range4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
@@ -298,11 +297,9 @@ namespace embree
         return range;
       }
 
-      /*! Sets `deviation` of a vertex. */
       template<int v>
       void computeDeviation() { deviation[v] = surface<v>()-groups.vertices[v][2]; }
 
-      /*! Sets `unitSag`. */
       void computeUnitSags()
       {
         for (int i=0; i<4; i++) {
@@ -311,11 +308,11 @@ namespace embree
         }
       }
 
-      /*! Smallest difference at which a comparison with a bound is certain, 1/8192 of a bin. Positions in cells, which
-       *  are at least 2^-23 wide, have errors below 2^-25; heights, up to 128 bins, have errors below this. */
+      /*! Difference above which a comparison is certain: 1/8192 of a bin. Positions in cells, which are at least 2^-23
+       *  wide, have errors below 2^-25; heights, up to 128 bins, have errors below this. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
-      /*! As raiseToVertices(), for one vertex and the lanes of a mask. */
+      /*! As raiseToVertices(), for one vertex. */
       template<int v>
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
@@ -394,7 +391,7 @@ namespace embree
           latticeThickness(codes[3]&3))*size;
       }
 
-      /*! One lane as input of lattice_encoder.h, for comparisons that are not certain. */
+      /*! One lane, for lattice_encoder.h. */
       struct ScalarLane
       {
         CodedLattice lattice;

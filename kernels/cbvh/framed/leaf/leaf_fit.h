@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Measures how well leaves represent their quads; framed/writer.h decides by the result if a patch should be stored as
- * cVERT. A leaf is a height field over a box: walls that are vertical in the frame get wrong normals, folds become
- * thick planes or entire boxes, and where the surface ends or bends, boxes extend past the edges. docs/paper.md has the
- * measurements behind the limits. */
+/* Measures how well leaves represent their quads, to decide if a patch should be stored as cVERT. A leaf is a height
+ * field over a box: walls that are vertical in the frame get wrong normals, folds become thick planes or entire boxes,
+ * and where the surface ends or bends, boxes extend past the edges. docs/paper.md has the measurements behind the
+ * limits. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
@@ -21,17 +21,15 @@ namespace embree
     /*! Largest thickness of a leaf, relative to the side of a square with the quad's area. */
     static constexpr double maxLeafThickness = 0.25;
 
-    /*! Largest distance that a leaf extends past an edge where the surface ends or bends, relative to the leaf's
-     *  extent. */
+    /*! Largest distance that a leaf extends past an edge where the surface ends or bends, in leaf extents. */
     static constexpr double maxOverhang = 1.0/16;
 
     /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends, that may be poor. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! Number of quads that are a sufficient sample of a patch. */
     static constexpr size_t minSampleQuads = 1024;
 
-    /*! Counts of poor quads and edges, of a block or a patch. */
+    /*! Counts, of a block or a patch. */
     struct LeafFit
     {
       uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, separate or solid
@@ -48,8 +46,9 @@ namespace embree
       /*! True if the patch should be stored as cVERT. */
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! isPoor() before all quads and edges of the patch were measured. The first quarter is a sample of the remaining
-       *  quads, if it is large enough and distributed over the patch. All edges are counted. */
+      /*! isPoor() before all quads and edges were measured. The first quarter of the quads, but at least
+       *  minSampleQuads, is a sample of the patch; it must be distributed over the patch. allEdges: all that will be
+       *  added. */
       bool isClearlyPoor(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minSampleQuads));
@@ -80,7 +79,7 @@ namespace embree
         flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
       }
 
-      /*! Adds an edge where the surface ends or bends. overhang: see maxOverhang. */
+      /*! overhang: see maxOverhang. */
       void addEdge(double overhang)
       {
         edges++;
@@ -107,7 +106,7 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Cosine of the angle to the normal of the plane with these slopes through the middle of a box (normal.h). */
+        /*! Cosine of the angle to the normal (normal.h) of the plane with these slopes through the middle of a box. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =

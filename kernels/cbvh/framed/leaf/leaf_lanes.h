@@ -4,8 +4,7 @@
 #pragma once
 
 /* leaf_fit.h for the leaves of four lattices at a time. Most leaves are good, and thinner than the thickest leaf so
- * far. This is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure the
- * other leaves. */
+ * far: this is tested without divisions and roots. LeafFit and BlockStatistics measure the other leaves. */
 
 #include "lattice_lanes.h"
 #include "../block_statistics.h"
@@ -17,8 +16,7 @@ namespace embree
     class LeafLanes
     {
     public:
-      /*! m: Morton index of the first group. parents: decoded boxes of the groups. All arguments must outlive the
-       *  object. */
+      /*! m: Morton index of the first group. parents: decoded boxes. All arguments must outlive the object. */
       LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups,
         const LatticeLanes& lattices)
         : geometry(geometry), parents(parents), groups(groups), lattices(lattices)
@@ -31,7 +29,7 @@ namespace embree
         }
       }
 
-      /*! Mask of lanes whose leaf of quad c is certainly good, and not thicker than maxThickness. */
+      /*! Mask of lanes whose leaf c is certainly good, and not thicker than maxThickness. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
@@ -70,7 +68,7 @@ namespace embree
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }
 
-      /*! As borderWidth() of group_encoder.h, the maximum of the lanes of a mask. */
+      /*! As borderWidth() of group_encoder.h, over a mask of lanes. */
       double borderWidth(uint32_t lanes) const
       {
         double width = 0;

@@ -13,8 +13,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Fits a plane to the four vertices of a quad, by least squares. z: heights at corners (0,0), (1,0) and (0,1) of
-     *  the box. The sums begin at 1e-9, so that slopes are 0 in directions without extent. */
+    /*! Fits a plane to the vertices of a quad, by least squares. z: heights at corners (0,0), (1,0) and (0,1) of the
+     *  box. Sums begin at 1e-9, so that slopes are 0 in directions without extent. */
     inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3])
     {
       double u[4], v[4], mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
@@ -36,8 +36,8 @@ namespace embree
       z[2] = z[0] + b;
     }
 
-    /*! Returns the 15 bits of a leaf. thickness: set to the smallest code that bounds the quad; a plane close to the
-     *  vertices is also close to the edges. The leaf is solid if no code is large enough. */
+    /*! Returns the 15 bits of a leaf. thickness: set to the smallest code that bounds the vertices, and therefore the
+     *  edges. The leaf is solid if no code is large enough. */
     inline uint32_t encodeSeparateLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
     {
       thickness = 0;
@@ -85,8 +85,7 @@ namespace embree
       return solidLeaf;
     }
 
-    /*! Encodes a group. parent: its decoded box. All leaves have the largest of their thicknesses. Does not set
-     *  borderWidth. */
+    /*! parent: decoded box of the group. All leaves get the largest of their thicknesses. Does not set borderWidth. */
     inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;

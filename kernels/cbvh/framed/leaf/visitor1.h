@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cLEAF with a single ray: a visitor of block_walk1.h. hit_rule.h decides where the ray hits. */
+/* Visitor of block_walk1.h for leaves of cLEAF. hit_rule.h decides where the ray hits. */
 
 #include "crossing1.h"
 
@@ -80,8 +80,7 @@ namespace embree
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! Returns true if the ray hits the leaf, and sets s. hit: Verdict::hit. number: of the leaf in Morton
-         *  order. */
+        /*! Returns true if the ray hits the leaf, and sets s. hit: Verdict::hit. number: Morton index of the leaf. */
         __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float halfThickness, uint32_t number,
                                      float& s) const
         {

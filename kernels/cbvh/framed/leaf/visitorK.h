@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cLEAF with a packet: visitor1.h, crossing1.h and hit_rule.h with one ray per lane. Results have
- * the same bits as those of single rays. */
+/* visitor1.h, crossing1.h and hit_rule.h with one ray per lane, and with the same bits. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -197,7 +196,7 @@ namespace embree
           hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }
 
-        /*! Reports hits where the rays in `lanes` left their last leaf. above: side that they remember. */
+        /*! Reports hits where the rays in `lanes` left their last leaf. above: remembered side. */
         __noinline void reportExits (const vbool<K>& lanes, const vbool<K>& above)
         {
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
@@ -220,7 +219,7 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! Returns the rays of `lanes` that intersect no lip. Sets s of the others. */
+        /*! Returns the rays of `lanes` that hit no lip. Sets s of the others. */
         __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float halfThickness,
                                              uint32_t leaf, vfloat<K>& s) const
         {

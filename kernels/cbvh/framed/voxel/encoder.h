@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Encoder of leaves of cVOXEL (members: block_encoder.h). It stores nothing, because the boxes of the last level of
- * nodes are the surface; it only collects statistics. */
+/* Encoder of leaves of cVOXEL (block_encoder.h). Only collects statistics: the boxes of leaves are the surface. */
 
 #include "../block_statistics.h"
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cVOXEL with a single ray: a visitor of block_walk1.h. */
+/* Visitor of block_walk1.h for leaves of cVOXEL. */
 
 #include "../block_visitor1.h"
 
@@ -13,8 +13,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Rays hit a leaf where they enter its box. A ray that starts inside a box does not hit it: it comes from the
-       *  surface in the box, or is past it. */
+      /*! Rays hit a leaf where they enter its box, but not if they start inside: then they come from its surface, or
+       *  are past it. */
       template<typename RayType>
       struct VoxelVisitor1 : public BlockVisitor1<RayType>
       {
@@ -25,7 +25,7 @@ namespace embree
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
-          // the first of hits at the same distance is accepted, in the order of the walk
+          // of hits at the same distance, the first one of the walk is accepted
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;

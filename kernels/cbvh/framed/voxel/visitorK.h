@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Intersects leaves of cVOXEL with a packet, one ray per lane: a visitor of block_walkK.h. visitor1.h states when a ray
- * hits a leaf. */
+/* Visitor of block_walkK.h for leaves of cVOXEL: visitor1.h for packets. */
 
 #include "../block_visitorK.h"
 
@@ -25,7 +24,7 @@ namespace embree
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
-          // the first of hits at the same distance is accepted, in the order of the walk
+          // as in visitor1.h
           const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
           const vbool<K> hit = andn(lanes & nearer,this->startsInside(box));
           if (none(hit)) return;
