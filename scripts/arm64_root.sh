@@ -2,9 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Fills a folder with Debian's libraries and headers for ARM64: what the preset `arm64` links, and what its programs
-# load under qemu-aarch64-static. Packages are unpacked, not installed, and none of their programs runs. Requires the
-# package registry of a Debian and 1.2 GB of disk, but not root.
+# Fills a folder with Debian's libraries and headers for ARM64: what the presets `arm64` and `package-arm64` link, and
+# what their programs load under qemu-aarch64-static. The folder DEBIAN in it lists the packages of the libraries, for
+# dpkg-shlibdeps. Packages are unpacked, not installed, and none of their programs runs. Requires the package registry
+# of a Debian and 1.2 GB of disk, but not root.
 #
 #   arm64_root.sh FOLDER
 
@@ -45,8 +46,13 @@ for name in bin lib sbin; do
   mkdir -p "$folder/usr/$name"
   [ -e "$folder/$name" ] || ln -s "usr/$name" "$folder/$name"
 done
+rm -rf "$folder/DEBIAN"
+mkdir "$folder/DEBIAN"
 for package in "$apt"/cache/archives/*.deb; do
   dpkg-deb --fsys-tarfile "$package" | tar -x --keep-directory-symlink -f - -C "$folder"
+  for file in shlibs symbols; do
+    dpkg-deb --info "$package" "$file" >> "$folder/DEBIAN/$file" 2> /dev/null || true # few packages have them
+  done
 done
 rm -rf "$apt"
 

@@ -11,11 +11,6 @@
 # The names differ from Debian's so that updates do not replace our packages. Each package provides the replaced
 # package in Embree's version, so that packages that depend on it stay installed, and conflicts with it.
 
-if(CMAKE_CROSSCOMPILING)
-  message(FATAL_ERROR "  CBVH_PACKAGES is on in a cross build: CPack would name this machine's architecture, and look "
-    "for dependencies among its packages. Build packages on a machine with the architecture they are for.")
-endif()
-
 include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 
 set(CPACK_GENERATOR DEB)
@@ -54,7 +49,21 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # The packages depend on each other's libraries, not on those installed on this machine.
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$<TARGET_FILE_DIR:embree>" "${CMAKE_BINARY_DIR}/kernels/vulkan")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/embree" "${CMAKE_BINARY_DIR}/kernels/vulkan")
+set(CPACK_CBVH_STRIP "${CMAKE_STRIP}")
+
+# In a cross build, dpkg-shlibdeps finds libraries and their packages in the root file system of the target, which has
+# the files DEBIAN/shlibs and DEBIAN/symbols as the root of a package that is being built.
+if(CMAKE_CROSSCOMPILING)
+  if(NOT EXISTS "${CMAKE_SYSROOT}/DEBIAN/shlibs")
+    message(FATAL_ERROR "  CMAKE_SYSROOT=${CMAKE_SYSROOT} has no file DEBIAN/shlibs, which packages require: make it "
+      "with scripts/arm64_root.sh")
+  endif()
+  execute_process(COMMAND dpkg-architecture --force --host-type "${CMAKE_LIBRARY_ARCHITECTURE}" --query DEB_HOST_ARCH
+    OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_ARCHITECTURE OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS
+    "${CMAKE_SYSROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}")
+endif()
 
 set(about "Embree CBVH is Embree ${EMBREE_UPSTREAM_VERSION} whose subdivision surfaces with displacement
  can stay compressed in memory and are ray traced from there.")
@@ -94,7 +103,6 @@ set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERS
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_SHLIBDEPS OFF)
 
 cbvh_package(examples embree-cbvh-tools embree-tools foreign graphics "Embree CBVH: its programs and Embree's")
-set(CPACK_DEBIAN_EXAMPLES_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION})")
 
 if(TARGET embree_cbvh)
   cbvh_package(python python3-embree-cbvh "" same python "Embree CBVH: Python module for NumPy arrays")
@@ -103,7 +111,7 @@ if(TARGET embree_cbvh)
   string(REGEX MATCH "^3\\.([0-9]+)" python "${python}")
   math(EXPR next "${CMAKE_MATCH_1} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "libembree3-cbvh (= ${PROJECT_VERSION}), python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
+    "python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib) # for its example
 endif()
 

@@ -69,9 +69,10 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   foreach(program ${programs})
     if(TARGET ${program})
       set(page "${CMAKE_BINARY_DIR}/man/man1/${program}.1")
+      string(JOIN " " command ${CMAKE_CROSSCOMPILING_EMULATOR} "$<TARGET_FILE:${program}>")
       add_custom_command(OUTPUT "${page}"
         COMMAND "${HELP2MAN}" --no-info --section=1 "--name=${about_${program}}" "--version-string=${PROJECT_VERSION}"
-          "--output=${page}" "$<TARGET_FILE:${program}>"
+          "--output=${page}" "${command}"
         DEPENDS ${program} VERBATIM)
       list(APPEND pages "${page}")
     endif()

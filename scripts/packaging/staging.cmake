@@ -3,12 +3,18 @@
 
 # CPack runs this script on the installed files of all packages before it packs them. It does what debhelper does for
 # Debian's own packages: compresses manual pages, removes sections that nothing reads, and adds Debian's changelog and
-# the overrides of lintian.
+# the overrides of lintian. It also tells dpkg-shlibdeps, which CPack runs next, for which architecture the packages are
+# and which package has our libraries.
 
 # run COMMAND...
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
+
+# dpkg-shlibdeps then uses the tools of this architecture.
+if(CPACK_DEBIAN_PACKAGE_ARCHITECTURE)
+  set(ENV{DEB_HOST_ARCH} "${CPACK_DEBIAN_PACKAGE_ARCHITECTURE}")
+endif()
 
 # Folders of components contain the files of one package each.
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
@@ -39,9 +45,17 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     "${folder}/usr/bin/*" "${folder}/usr/lib/*.so" "${folder}/usr/lib/*.so.*" "${folder}/usr/lib/*.a")
   foreach(file IN LISTS files)
     if(NOT IS_SYMLINK "${file}")
-      run(strip --remove-section=.comment --remove-section=.note "${file}")
+      run("${CPACK_CBVH_STRIP}" --remove-section=.comment --remove-section=.note "${file}")
     endif()
   endforeach()
+
+  # Without this file, which CPack removes, programs would depend on Debian's libembree3-3 if it is installed.
+  if(component MATCHES "^(examples|python)$")
+    foreach(library libembree3 libembree3_vulkan)
+      file(APPEND "${folder}/debian/shlibs.local"
+        "${library} 3 ${CPACK_DEBIAN_LIB_PACKAGE_NAME} (= ${CPACK_PACKAGE_VERSION})\n")
+    endforeach()
+  endif()
 
   # --- documents ------------------------------------------------------------------------------------
 

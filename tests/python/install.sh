@@ -4,9 +4,10 @@
 #
 # The installed module finds the library that is installed with it, also after both were moved.
 #
-#   install.sh CMAKE BUILD-DIRECTORY PYTHON
+#   install.sh CMAKE BUILD-DIRECTORY PYTHON...    PYTHON: the command of the interpreter, with its arguments
 set -eu
-cmake=$1 build=$2 python=$3
+cmake=$1 build=$2
+shift 2
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' "$build/CMakeCache.txt")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -17,7 +18,7 @@ mv "$work/first" "$work/prefix"
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/skin_triangles.py" ]
 module=$(find "$work/prefix" -name 'embree_cbvh*.so')
-PYTHONPATH=$(dirname "$module") "$python" -B - "$work/prefix" "$version" << 'CODE'
+PYTHONPATH=$(dirname "$module") "$@" -B - "$work/prefix" "$version" << 'CODE'
 import sys
 import embree_cbvh
 
