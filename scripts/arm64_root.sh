@@ -21,23 +21,11 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 apt=$folder/apt
 
-# apt with a state of its own, in which no package is installed
-run() {
-  "$@" -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::Etc::SourceList="$apt/sources.list" \
-    -o Dir::Etc::SourceParts=/dev/null -o Dir::State="$apt/state" -o Dir::State::status="$apt/status" \
-    -o Dir::Cache="$apt/cache" -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none -o Acquire::Retries=2
-}
+. scripts/arm64_apt.sh
 
 download() {
-  mkdir -p "$apt/state/lists/partial" "$apt/cache/archives/partial"
-  : > "$apt/status"
-  keys=/usr/share/keyrings/debian-archive-keyring.gpg
-  [ -e "$keys" ] && options="signed-by=$keys" || options=
-  apt-get indextargets --format "deb [arch=arm64 $options]"' $(REPO_URI) $(RELEASE) $(COMPONENT)' \
-    'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u > "$apt/sources.list"
-  [ -s "$apt/sources.list" ] || { echo "no apt source of Debian's main component" >&2; return 1; }
   # shellcheck disable=SC2086
-  run apt-get update && run apt-get install -y --download-only --no-install-recommends $packages
+  arm64_update && arm64_apt apt-get install -y --download-only --no-install-recommends $packages
 }
 download >&2 || { echo "arm64_root.sh: the packages could not be downloaded" >&2; exit 1; }
 

@@ -1,0 +1,62 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Checks our Debian packages for ARM64 on x86-64. Requires the package registry of a Debian, qemu-aarch64-static, and a
+# folder made by scripts/arm64_root.sh, of which it makes a copy of hard links:
+#
+#   - each program and library in them is for ARM64;
+#   - apt installs them on an empty Debian for ARM64, in a simulation, with Debian's packages as dependencies;
+#   - unpacked over the folder, programs and the Python module run in the emulator and trace rays.
+#
+#   packages_arm64.sh DIRECTORY-OF-PACKAGES FOLDER-OF-ARM64-ROOT
+set -eu
+packages=$(cd "$1" && pwd) root=$(cd "$2" && pwd)
+cd -- "$(dirname -- "$0")/../.."
+fail() { echo "FAILED: $*" >&2; exit 1; }
+work=$(mktemp -d "$root.packages-XXXXXX") # on the same file system, for hard links
+trap 'rm -rf "$work"' EXIT
+
+# --- files ------------------------------------------------------------------------------------------
+
+copy=$work/root
+cp -al "$root" "$copy"
+rm -f "$copy"/usr/lib/aarch64-linux-gnu/libembree3.so* # Debian's, which the packages replace
+for package in "$packages"/*.deb; do
+  [ "$(dpkg-deb -f "$package" Architecture)" = arm64 ] || fail "$package is not for arm64"
+  dpkg-deb -x "$package" "$work/files"
+  # A hard link is replaced, not written through.
+  dpkg-deb --fsys-tarfile "$package" | tar -x --unlink-first --keep-directory-symlink -f - -C "$copy"
+done
+find "$work/files" -type f -exec file {} + | grep ELF > "$work/elf"
+! grep -v "ARM aarch64" "$work/elf" || fail "a file is for another processor"
+echo "$(wc -l < "$work/elf") programs and libraries are for ARM64"
+
+# --- dependencies -----------------------------------------------------------------------------------
+
+apt=$work/apt
+. scripts/arm64_apt.sh
+{ arm64_update && arm64_apt apt-get install -y --simulate --no-install-recommends "$packages"/*.deb; } \
+  > "$work/log" 2>&1 ||
+  { tail -n 30 "$work/log"; fail "apt does not install the packages"; }
+! grep -E '^Inst (libembree3-3|libembree-dev|embree-tools) ' "$work/log" || fail "a package of Debian that ours replace"
+echo "apt installs the packages and $(($(grep -c '^Inst' "$work/log") - $(ls "$packages"/*.deb | wc -l))) of Debian's"
+
+# --- in the emulator ----------------------------------------------------------------------------------
+
+run() { program=$1; shift; qemu-aarch64-static -L "$copy" "$copy/usr/bin/$program" "$@"; }
+version=$(dpkg-deb -f "$packages"/libembree3-cbvh_*.deb Version)
+for program in cbvh_render cbvh_bench cbvh_pathtracer; do
+  run $program --version > "$work/said" || fail "$program --version"
+  grep -q "^$program $version" "$work/said" || { cat "$work/said"; fail "$program has another version"; }
+  grep -q "^library: Embree CBVH $version on" "$work/said" || { cat "$work/said"; fail "the library of $program"; }
+done
+run cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output "$work/pictures" > "$work/said" ||
+  { cat "$work/said"; fail "cbvh_render does not run"; }
+run python3 -B -c "import embree_cbvh as cbvh
+scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
+hits = scene.intersect([0, 0, 5], [0, 0, -1])
+assert hits.hit.all() and 0 < hits.t < 5, hits.t
+print('Python module', cbvh.__version__, cbvh.__file__, 'hits at', hits.t)" ||
+  fail "the Python module"
+echo "programs and the Python module run"
