@@ -3,15 +3,14 @@
 
 # CPack runs this script on the installed files of all packages before it packs them. It does what debhelper does for
 # Debian's own packages: compresses manual pages, removes sections that nothing reads, and adds Debian's changelog and
-# the overrides of lintian. It also tells dpkg-shlibdeps, which CPack runs next, for which architecture the packages are
-# and which package has our libraries.
+# the overrides of lintian. It also prepares for dpkg-shlibdeps, which CPack runs next.
 
 # run COMMAND...
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# dpkg-shlibdeps then uses the tools of this architecture.
+# In a cross build, dpkg-shlibdeps must use the target's objdump.
 if(CPACK_DEBIAN_PACKAGE_ARCHITECTURE)
   set(ENV{DEB_HOST_ARCH} "${CPACK_DEBIAN_PACKAGE_ARCHITECTURE}")
 endif()
@@ -49,7 +48,8 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     endif()
   endforeach()
 
-  # Without this file, which CPack removes, programs would depend on Debian's libembree3-3 if it is installed.
+  # The package of our libraries, for dpkg-shlibdeps. Without it, programs depend on Debian's libembree3-3 if that is
+  # installed. CPack removes the file.
   if(component MATCHES "^(examples|python)$")
     foreach(library libembree3 libembree3_vulkan)
       file(APPEND "${folder}/debian/shlibs.local"

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Checks our Debian packages for ARM64 on x86-64. Requires the package registry of a Debian, qemu-aarch64-static, and a
-# folder made by scripts/arm64_root.sh, of which it makes a copy of hard links:
+# folder made by scripts/arm64_root.sh. The script copies the folder with hard links, next to it:
 #
 #   - each program and library in them is for ARM64;
 #   - apt installs them on an empty Debian for ARM64, in a simulation, with Debian's packages as dependencies;
@@ -25,8 +25,8 @@ rm -f "$copy"/usr/lib/aarch64-linux-gnu/libembree3.so* # Debian's, which the pac
 for package in "$packages"/*.deb; do
   [ "$(dpkg-deb -f "$package" Architecture)" = arm64 ] || fail "$package is not for arm64"
   dpkg-deb -x "$package" "$work/files"
-  # A hard link is replaced, not written through.
-  dpkg-deb --fsys-tarfile "$package" | tar -x --unlink-first --keep-directory-symlink -f - -C "$copy"
+  # tar replaces hard links, it does not write through them.
+  dpkg-deb --fsys-tarfile "$package" | tar -x --keep-directory-symlink -f - -C "$copy"
 done
 find "$work/files" -type f -exec file {} + | grep ELF > "$work/elf"
 ! grep -v "ARM aarch64" "$work/elf" || fail "a file is for another processor"
@@ -51,7 +51,8 @@ for program in cbvh_render cbvh_bench cbvh_pathtracer; do
   grep -q "^$program $version" "$work/said" || { cat "$work/said"; fail "$program has another version"; }
   grep -q "^library: Embree CBVH $version on" "$work/said" || { cat "$work/said"; fail "the library of $program"; }
 done
-run cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output "$work/pictures" > "$work/said" ||
+run cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output "$work/pictures" \
+  > "$work/said" 2>&1 ||
   { cat "$work/said"; fail "cbvh_render does not run"; }
 run python3 -B -c "import embree_cbvh as cbvh
 scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
