@@ -2,11 +2,11 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and embree-cbvh-tools, which
-# replace Debian's libembree3-3, libembree-dev and embree-tools; libembree-cbvh0, libembree-cbvh0-dev and
-# python3-embree-cbvh, which replace no package.
+# Builds Debian packages in output/, for this release of Debian: libembree3-cbvh, libembree-cbvh-dev and
+# embree-cbvh-tools, which replace Debian's libembree3-3, libembree-dev and embree-tools; libembree-cbvh0,
+# libembree-cbvh0-dev and python3-embree-cbvh, which replace no package. Earlier packages in output/ are removed.
 #
-#   scripts/package.sh && apt install ./build/package/packages/*.deb
+#   scripts/package.sh && apt install ./output/*.deb
 #   scripts/package.sh arm64      cross-builds the packages for ARM64, in build/package-arm64/packages
 #
 # A distributor first sets the maintainer: cmake --preset package "-DCBVH_PACKAGE_MAINTAINER=NAME <ADDRESS>"
@@ -42,6 +42,14 @@ if [ "$preset" = package-arm64 ]; then
 fi
 phase "configure, get upstream" configure $preset
 phase "build" build $preset
+packages=build/$preset/packages
+rm -f "$packages"/*.deb
 phase "package" cmake --build --preset $preset --target package
 
-ls -l build/$preset/packages/*.deb
+if [ "$preset" = package ]; then
+  mkdir -p output
+  rm -f output/*embree*cbvh*.deb
+  cp "$packages"/*.deb output/
+  packages=output
+fi
+ls -l "$packages"/*.deb

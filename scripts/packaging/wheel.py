@@ -8,7 +8,7 @@
 
 Requires Debian, patchelf, readelf, nm and strip. LIBRARIES-DIRECTORY is that of wheel_libraries.sh. The wheel contains
 
-    embree_cbvh/__init__.*.so   the module
+    embree_cbvh/__init__.*.so   the module, once per version of CPython
     embree_cbvh/trimesh_rays.py a ray engine for trimesh
     embree_cbvh/lib/            libembree_cbvh, libembree3_vulkan, and the libraries that they need
     embree_cbvh/bin/            the programs; scripts of the same names start them
@@ -21,6 +21,7 @@ take another library of the same name that the process has loaded.
 import argparse
 import base64
 import hashlib
+import itertools
 import os
 import re
 import shutil
@@ -35,9 +36,8 @@ import wheel_check
 
 TAG = "2_36"  # of Debian 12's glibc
 PROGRAMS = ["cbvh_render", "cbvh_pathtracer", "cbvh_terrain"]
-# A header of each package that is compiled into the module, the programs and OpenImageIO.
-HEADERS = ["pybind11/pybind11.h", "CLI/CLI.hpp", "nlohmann/json.hpp", "volk.h", "tsl/robin_map.h", "fmt/core.h",
-           "boost/version.hpp"]
+# A header of each installed package that is compiled into the module, the programs and OpenImageIO.
+HEADERS = ["CLI/CLI.hpp", "nlohmann/json.hpp", "volk.h", "tsl/robin_map.h", "fmt/core.h", "boost/version.hpp"]
 ROOT = Path(__file__).resolve().parents[2]
 
 # Importing embree_cbvh would load the library twice, so the script only looks for its folder.
@@ -58,10 +58,10 @@ Author: The Embree CBVH authors
 License: Apache-2.0
 Classifier: License :: OSI Approved :: Apache Software License
 Classifier: Operating System :: POSIX :: Linux
-Classifier: Programming Language :: Python :: {python}
+{classifiers}
 Classifier: Topic :: Multimedia :: Graphics :: 3D Rendering
-Requires-Python: =={python}.*
-Requires-Dist: numpy{numpy}
+Requires-Python: >={oldest}
+Requires-Dist: numpy
 Description-Content-Type: text/markdown
 
 {readme}"""
@@ -151,6 +151,7 @@ def copy_licenses(sources, libraries, folder):
     for package, names in {"openimageio": ["LICENSE.md", "THIRD-PARTY.md"], "tiff": ["LICENSE.md"]}.items():
         for name in names:
             ours[f"{package}-{name}"] = libraries / package / name
+    ours["pybind11-dev"] = libraries / "trixie/usr/share/doc/pybind11-dev/copyright"
     built = {ROOT, libraries.resolve()}
     files = {file for file in sources.values() if not built & set(file.parents)}
     files |= {Path("/usr/include", header) for header in HEADERS}
@@ -169,15 +170,26 @@ def copy_licenses(sources, libraries, folder):
 # --- wheel ----------------------------------------------------------------------------------
 
 
-def write_metadata(folder, cache, python, tag):
-    version = cache["CMAKE_PROJECT_VERSION"]
-    pybind = (Path(cache["pybind11_DIR"]) / "pybind11ConfigVersion.cmake").read_text(encoding="utf-8")
-    major, minor = map(int, re.search(r'PACKAGE_VERSION "(\d+)\.(\d+)', pybind).groups())
-    numpy = "<2" if (major, minor) < (2, 12) else ""  # earlier versions of pybind11 do not know NumPy 2's structs
+def find_modules(build, headers):
+    """The modules of a build by the version of CPython, such as (3, 13), in ascending order."""
+    modules = {}
+    for path in (build / "tutorials/python").glob("embree_cbvh.cpython-*.so"):
+        major, minor = re.match(r"embree_cbvh\.cpython-(\d)(\d+)-", path.name).groups()
+        modules[int(major), int(minor)] = path
+    expected = 1 + len(headers)
+    if len(modules) != expected:
+        sys.exit(f"{build}/tutorials/python has {len(modules)} modules: expected {expected}, see scripts/wheel.sh")
+    return dict(sorted(modules.items()))
+
+
+def write_metadata(folder, version, pythons, tag):
+    classifiers = "\n".join(f"Classifier: Programming Language :: Python :: {python}" for python in pythons)
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    text = METADATA.format(version=version, python=python, numpy=numpy, readme=readme)
+    text = METADATA.format(version=version, classifiers=classifiers, oldest=pythons[0], readme=readme)
     (folder / "METADATA").write_text(text, encoding="utf-8")
-    (folder / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: embree-cbvh\nRoot-Is-Purelib: false\nTag: {tag}\n",
+    # The name of a wheel abbreviates tags; this file lists them.
+    tags = "".join(f"Tag: {'-'.join(parts)}\n" for parts in itertools.product(*(part.split(".") for part in tag)))
+    (folder / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: embree-cbvh\nRoot-Is-Purelib: false\n{tags}",
                                   encoding="utf-8")
 
 
@@ -210,20 +222,17 @@ def main():
 
     cache = read_cache(build)
     version = cache["CMAKE_PROJECT_VERSION"]
-    modules = list((build / "tutorials/python").glob("embree_cbvh.*.so"))
-    if len(modules) != 1:
-        sys.exit(f"{build}/tutorials/python has {len(modules)} modules: expected one, see scripts/wheel.sh")
-    suffix = modules[0].name.partition(".")[2]  # cpython-311-x86_64-linux-gnu.so
-    major, minor = re.match(r"cpython-(\d)(\d+)-", suffix).groups()
+    modules = find_modules(build, list(filter(None, cache.get("CBVH_PYTHON_HEADERS", "").split(";"))))
     platform = sysconfig.get_platform().replace("linux-", f"manylinux_{TAG}_")
-    tag = f"cp{major}{minor}-cp{major}{minor}-{platform}"
-    wheel = arguments.output / f"embree_cbvh-{version}-{tag}.whl"
+    interpreters = ".".join(f"cp{major}{minor}" for major, minor in modules)
+    tag = interpreters, interpreters, platform
+    wheel = arguments.output / f"embree_cbvh-{version}-{'-'.join(tag)}.whl"
     info = f"embree_cbvh-{version}.dist-info"
 
     with tempfile.TemporaryDirectory() as temporary:
         stage = Path(temporary)
         package = stage / "embree_cbvh"
-        originals = {modules[0]: package / f"__init__.{suffix}"}
+        originals = {path: package / path.name.replace("embree_cbvh.", "__init__.", 1) for path in modules.values()}
         for program in PROGRAMS:
             originals[build / "tutorials" / program.partition("_")[2] / program] = package / "bin" / program
             script = stage / f"embree_cbvh-{version}.data" / "scripts" / program
@@ -236,13 +245,15 @@ def main():
         shutil.copytree(ROOT / "include/cbvh", package / "include/cbvh")
         shutil.copyfile(ROOT / "tutorials/python/trimesh_rays.py", package / "trimesh_rays.py")
         copy_licenses(sources, libraries, stage / info / "licenses")
-        write_metadata(stage / info, cache, f"{major}.{minor}", tag)
+        write_metadata(stage / info, version, [f"{major}.{minor}" for major, minor in modules], tag)
         shutil.copyfile(build / "sources.sha256", stage / info / "sources.sha256")  # for scripts/prebuilt.sh
 
-        problems, _ = wheel_check.problems_of(stage, wheel_check.NEWEST[TAG])
+        problems, _ = wheel_check.problems_of(stage, interpreters.split("."), wheel_check.NEWEST[TAG])
         if problems:
             sys.exit("\n".join(f"{path}: {text}" for path, text in problems))
         arguments.output.mkdir(parents=True, exist_ok=True)
+        for earlier in arguments.output.glob("embree_cbvh-*.whl"):
+            earlier.unlink()
         write_wheel(stage, info, wheel)
     print(f"{wheel}: {os.path.getsize(wheel) / 2**20:.1f} MiB, with {len(copies)} libraries")
 

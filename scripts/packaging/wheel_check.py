@@ -6,7 +6,8 @@
 
     wheel_check.py WHEEL
 
-Requires readelf and nm. Checks of each program and library:
+Requires readelf and nm. The wheel must contain a module for each version of CPython in its name, and no others. Checks
+of each program and library:
 
     - it needs only libraries of the wheel, and those that every system of the tag has;
     - it needs no newer versions of their symbols than these systems have;
@@ -33,6 +34,7 @@ SYSTEM_LIBRARIES = frozenset(
 # Newest version of the symbols on systems with a version of glibc. GCC 12 is the compiler of Debian 12.
 NEWEST = {"2_36": {"GLIBC": (2, 36), "GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}}
 HASHED = re.compile(r"-[0-9a-f]{8}\.so")
+MODULE = re.compile(r"embree_cbvh/__init__\.cpython-(\d+)-[\w-]+\.so")
 
 
 @dataclass
@@ -89,12 +91,21 @@ def version_problems(versions, newest):
     return problems
 
 
-def problems_of(folder, newest):
-    """Returns a list of (file, problem) of the unpacked wheel in `folder`."""
+def problems_of(folder, interpreters, newest):
+    """Returns a list of (file, problem) of the unpacked wheel in `folder`, and its number of programs and libraries.
+
+    interpreters: the versions of CPython in the wheel's name, such as ["cp311", "cp313"]
+    newest: the newest versions of symbols of its systems, see NEWEST
+    """
     folder = Path(folder).resolve()
     paths = binaries_in(folder)
     binaries = {path: read_binary(path) for path in paths}
     problems = []
+    matches = (MODULE.fullmatch(path.relative_to(folder).as_posix()) for path in paths)
+    modules = [f"cp{match[1]}" for match in matches if match]
+    if sorted(modules) != sorted(interpreters):
+        found = ", ".join(modules) or "no interpreter"
+        problems.append((folder / "embree_cbvh", f"has modules for {found}: expected {', '.join(interpreters)}"))
     for path, binary in binaries.items():
         found = set()
         for place in binary.search:
@@ -119,20 +130,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("wheel", help="file of the wheel")
     wheel = Path(parser.parse_args().wheel)
-    tag = re.search(r"-manylinux_(\d+_\d+)_\w+\.whl$", wheel.name)
-    if not tag or tag[1] not in NEWEST:
+    tag = re.search(r"-([\w.]+)-\1-manylinux_(\d+_\d+)_\w+\.whl$", wheel.name)
+    if not tag or tag[2] not in NEWEST:
         sys.exit(f"{wheel}: no supported tag: expected manylinux_{' or manylinux_'.join(NEWEST)}")
     with tempfile.TemporaryDirectory() as folder:
         with zipfile.ZipFile(wheel) as archive:
             archive.extractall(folder)
-        problems, count = problems_of(folder, NEWEST[tag[1]])
+        problems, count = problems_of(folder, tag[1].split("."), NEWEST[tag[2]])
     for path, text in problems:
         print(f"{path}: {text}", file=sys.stderr)
     if count == 0:
         sys.exit(f"{wheel}: contains no libraries")
     if problems:
         sys.exit(f"{wheel} does not fit its tag: {len(problems)} problems")
-    print(f"{wheel.name}: {count} programs and libraries fit manylinux_{tag[1]}")
+    print(f"{wheel.name}: {count} programs and libraries fit manylinux_{tag[2]}")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds OpenImageIO and libtiff for a Python wheel, from Debian's source packages.
+# Builds OpenImageIO and libtiff for a Python wheel, from Debian's source packages, and gets the headers of pybind11 and
+# of further versions of CPython.
 #
-#   wheel_libraries.sh DIRECTORY [JOBS]    installs into DIRECTORY/prefix
+#   wheel_libraries.sh DIRECTORY [JOBS]    installs into DIRECTORY/prefix, and unpacks headers to DIRECTORY/trixie
 #
 # Debian's OpenImageIO needs 250 libraries of 420 MB, among them FFmpeg, GDAL, OpenCV and OpenVDB. This one reads and
 # writes TIFF, OpenEXR, PNG, JPEG, Radiance HDR, BMP and PNM. It is a static library whose symbols are hidden, so that
@@ -50,6 +51,39 @@ install() {
     { tail -n 30 "$work/log" >&2; return 1; }
   echo "built $package"
 }
+
+# unpack_headers SUITE PACKAGE...: downloads packages of another release, which are not installed, and unpacks them to
+# SUITE. apt checks their signatures.
+unpack_headers() {
+  suite=$1; shift
+  [ ! -e "$work/$suite" ] || return 0
+  apt=$work/apt
+  rm -rf "$apt" "$work/$suite.part"
+  mkdir -p "$apt/state/lists/partial" "$apt/cache/archives/partial"
+  keys=/usr/share/keyrings/debian-archive-keyring.gpg
+  [ -e "$keys" ] && options="[signed-by=$keys] " || options=
+  apt-get indextargets --format "deb $options"'$(REPO_URI) '"$suite"' $(COMPONENT)' \
+    'Created-By: Packages' 'Origin: Debian' 'Component: main' 'Codename: bookworm' | sort -u > "$apt/sources.list"
+  [ -s "$apt/sources.list" ] ||
+    { echo "apt has no index of Debian's main component: run apt-get update" >&2; return 1; }
+  echo "downloading $*"
+  (cd "$apt" && run_apt update && run_apt download "$@") > "$work/log" 2>&1 ||
+    { tail -n 5 "$work/log" >&2; return 1; }
+  for file in "$apt"/*.deb; do
+    dpkg -x "$file" "$work/$suite.part"
+  done
+  mv "$work/$suite.part" "$work/$suite"
+  rm -rf "$apt"
+}
+run_apt() {
+  apt-get -q -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
+    -o Dir::State="$apt/state" -o Dir::State::status=/dev/null -o Dir::Cache="$apt/cache" \
+    -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none -o Acquire::Retries=2 "$@"
+}
+
+# A module for another version of CPython requires only its headers. Debian 12's pybind11 supports neither NumPy 2 nor
+# Python 3.13.
+unpack_headers trixie pybind11-dev libpython3.13-dev
 
 unpack tiff 4.5.0 bookworm 638f43d7dea33948d5dee7f39572fc0194d9cc3c74195de9dd26a4388a1f880a
 install tiff -DBUILD_SHARED_LIBS=ON -Djbig=OFF -Dwebp=OFF -Djpeg12=OFF -Dcxx=OFF \

@@ -6,6 +6,8 @@
 # registry and 4 GB:
 #
 #   - on a minimal Debian, apt installs them and our programs run;
+#   - on another one, scripts/demo.sh renders with their program instead of building it, if the packages were built from
+#     the committed state;
 #   - on a Debian with Debian's Embree, and Blender, Open3D and Embree's tutorials, they replace Debian's packages,
 #     the other programs stay installed, and their results are identical.
 #
@@ -18,7 +20,7 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 
 mkdir -p "$roots"
 roots=$(cd "$roots" && pwd)
-release() { for root in bare clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done; }
+release() { for root in bare demo clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done; }
 trap release EXIT
 
 # make ROOT: creates a root file system with debootstrap, from the mirror of this machine
@@ -72,6 +74,16 @@ done
 apt_get remove libembree3-cbvh
 [ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "the library still exists after the removal"
 echo "a minimal system installs and removes the packages"
+
+# --- scripts/demo.sh with packages in output/ -------------------------------------------------------
+
+make demo
+git -C "$here/../.." archive --prefix=root/embree-cbvh/ HEAD | tar -x -C "$root"
+mkdir "$root/root/embree-cbvh/output"
+cp "$packages"/*.deb "$root/root/embree-cbvh/output/"
+inside /root/embree-cbvh/scripts/demo.sh --short > "$roots/log" 2>&1 ||
+  { tail -n 30 "$roots/log"; fail "the demo"; }
+grep 'and is used$' "$roots/log" || { grep 'is not used' "$roots/log"; fail "the demo does not use the packages"; }
 
 # --- a system with Debian's packages ---------------------------------------------------------------
 

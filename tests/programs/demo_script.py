@@ -18,7 +18,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-WHEEL = f"embree_cbvh-0.9.0-cp311-cp311-manylinux_2_36_{platform.machine()}.whl"
+WHEEL = f"embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_{platform.machine()}.whl"
 
 # Starts only if $1/library exists, like a program that needs a library. `name` is noted in $1/calls.
 RENDER = """#!/bin/sh
@@ -153,7 +153,7 @@ class Demo(unittest.TestCase):
         self.assertIn("is not used: it cannot be unpacked\n", self.assert_built())
 
     def test_other_architecture(self):
-        self.add_wheel("embree_cbvh-0.9.0-cp311-cp311-manylinux_2_36_riscv64.whl")
+        self.add_wheel("embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_riscv64.whl")
         self.add_packages(architecture="riscv64")
         self.assert_built()
 

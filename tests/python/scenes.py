@@ -115,8 +115,8 @@ class Stored(unittest.TestCase):
         self.assertEqual(len(quads), scene.statistics()["quads"])
         self.assertEqual(sorted(set(mesh["primID"].tolist())), list(range(25)))
         self.assertLess(quads.max(), len(vertices))
-        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2],
-                               vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
+        diagonals = [vertices[quads[:, i + 2], :2] - vertices[quads[:, i], :2] for i in (0, 1)]
+        area = np.abs(np.linalg.det(np.stack(diagonals, axis=1).astype(np.float64))).sum() / 2
         self.assertTrue(0.8 < area <= 1.0001, area)
         hits = scene.intersect(*rays_from_above())
         corners = scene.triangles(hits).reshape(-1, 3)

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wheel of scripts/wheel.sh works in an empty virtual environment.
 
-    wheel.py FOLDER VERSION    FOLDER has a wheel for this version and interpreter; otherwise the test is skipped
+    wheel.py FOLDER VERSION    FOLDER has a wheel of this version for the interpreter; otherwise the test is skipped
 
 Outside of the build tree and without its environment: pip installs the wheel; wheel_in_use.py traces, saves and loads,
 also if another Embree is in the process; a program renders. Only libraries of the wheel and of the system are loaded.
@@ -43,11 +43,13 @@ def check_libraries(package):
 
 
 def main():
-    folder, version = sys.argv[1:]
-    pattern = f"embree_cbvh-{version}-cp{sys.version_info.major}{sys.version_info.minor}-*.whl"
-    wheels = sorted(pathlib.Path(folder).glob(pattern))
+    folder, version = str(pathlib.Path(sys.argv[1]).resolve()), sys.argv[2]
+    interpreter = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    # embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_x86_64.whl
+    wheels = [wheel for wheel in sorted(pathlib.Path(folder).glob(f"embree_cbvh-{version}-*.whl"))
+              if interpreter in wheel.name.split("-")[2].split(".")]
     if not wheels:
-        print(f"skipped: no {pattern} in {folder}, see scripts/wheel.sh")
+        print(f"skipped: no wheel embree_cbvh-{version} for {interpreter} in {folder}, see scripts/wheel.sh")
         sys.exit(SKIPPED)
     check = ROOT / "scripts/packaging/wheel_check.py"
     with tempfile.TemporaryDirectory() as work:
