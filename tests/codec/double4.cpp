@@ -111,8 +111,8 @@ TEST(Double4, EqualsFourDoubles)
     EXPECT_TRUE(isSame(cvert::crossOfXY(A, B), a[0]*b[1] - a[1]*b[0]));
     const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]};
     const double more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
-    EXPECT_TRUE(isSame(cvert::least(A), less[0] < less[1] ? less[0] : less[1]));
-    EXPECT_TRUE(isSame(cvert::greatest(A), more[0] > more[1] ? more[0] : more[1]));
+    EXPECT_TRUE(isSame(cvert::reduceMin(A), less[0] < less[1] ? less[0] : less[1]));
+    EXPECT_TRUE(isSame(cvert::reduceMax(A), more[0] > more[1] ? more[0] : more[1]));
   }
 }
 

@@ -529,7 +529,7 @@ TEST(MeshBlock, ConstantsAndFieldsMatchPage)
     {"groups of a block, at most", maxMeshGroups}, {"vertices of a block, at most", maxMeshVertices},
     {"triangles of a group, at most", maxGroupTriangles}, {"vertices of a group, at most", maxGroupVertices},
     {"restarts of a group, at most", maxGroupRestarts},
-    {"shift of boxes on an axis of ranks, at least", leastRankShift},
+    {"shift of boxes on an axis of ranks, at least", minRankShift},
     {"bytes after a block that decoders may read", readPastVert}});
   expectRows("mesh_block.md", "Header", {
     {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)},

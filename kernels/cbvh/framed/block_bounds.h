@@ -41,8 +41,8 @@ namespace embree
         Double4 n[2];
         form(inverse.numerator[k],n);
         const Double4 p[2] = { double(center[k]) + w[0]*n[0],double(center[k]) + w[1]*n[1] };
-        bounds.lower[k] = least(min(p[0],p[1]));
-        bounds.upper[k] = greatest(max(p[0],p[1]));
+        bounds.lower[k] = reduceMin(min(p[0],p[1]));
+        bounds.upper[k] = reduceMax(max(p[0],p[1]));
       }
       return bounds;
     }

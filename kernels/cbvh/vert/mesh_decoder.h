@@ -248,7 +248,7 @@ namespace embree
         }
 #endif
 
-        /*! bitsForBelow() of the codec, without its loop. */
+        /*! bitsForIndex() of the codec, without its loop. */
         static __forceinline uint32_t bitsFor (uint32_t count) {
           return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
         }

@@ -12,7 +12,7 @@
 namespace cvert { inline namespace CVERT_ISA
 {
   /*! Number of bits that are necessary to store a number: the position of its highest set bit, from 1; 0 for 0. */
-  inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
+  inline uint32_t bitWidth (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
   /*! Appends numbers of up to 32 bits without gaps, lowest bit first. Requires a little-endian processor. */
   class BitWriter
@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
     explicit BitWriter (uint8_t* out) : out(out) {}
 
     /*! Requires number < 2^bits. */
-    void put (uint32_t number, uint32_t bits)
+    void write (uint32_t number, uint32_t bits)
     {
       pending |= uint64_t(number) << count; // at most 31 pending bits and 32 new ones
       count += bits;
@@ -35,7 +35,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Pads the last byte with zeros. Returns the end of the output. */
-    uint8_t* end ()
+    uint8_t* finish ()
     {
       for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }
       return out;

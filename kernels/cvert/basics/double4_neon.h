@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     uint32x4_t narrow() const { return vuzp1q_u32(vreinterpretq_u32_u64(v[0]),vreinterpretq_u32_u64(v[1])); }
 
-    uint32_t bits() const { return bitsOf(narrow()); }
+    uint32_t bits() const { return maskBits(narrow()); }
     friend Mask4 operator&(Mask4 a, Mask4 b) { return {{ vandq_u64(a.v[0],b.v[0]),vandq_u64(a.v[1],b.v[1]) }}; }
     friend Mask4 operator|(Mask4 a, Mask4 b) { return {{ vorrq_u64(a.v[0],b.v[0]),vorrq_u64(a.v[1],b.v[1]) }}; }
   };
@@ -82,11 +82,11 @@ namespace cvert { inline namespace CVERT_ISA
     return vgetq_lane_f64(p,0) - vgetq_lane_f64(p,1);
   }
 
-  inline double least(Double4 a) {
+  inline double reduceMin(Double4 a) {
     const float64x2_t m = vbslq_f64(vcltq_f64(a.v[0],a.v[1]),a.v[0],a.v[1]);
     return vgetq_lane_f64(m,0) < vgetq_lane_f64(m,1) ? vgetq_lane_f64(m,0) : vgetq_lane_f64(m,1);
   }
-  inline double greatest(Double4 a) {
+  inline double reduceMax(Double4 a) {
     const float64x2_t m = vbslq_f64(vcgtq_f64(a.v[0],a.v[1]),a.v[0],a.v[1]);
     return vgetq_lane_f64(m,0) > vgetq_lane_f64(m,1) ? vgetq_lane_f64(m,0) : vgetq_lane_f64(m,1);
   }

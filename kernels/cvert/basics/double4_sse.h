@@ -69,11 +69,11 @@ namespace cvert { inline namespace CVERT_ISA
     const __m128d p = _mm_mul_pd(a.v[0],_mm_shuffle_pd(b.v[0],b.v[0],1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }
-  inline double least(Double4 a) {
+  inline double reduceMin(Double4 a) {
     const __m128d m = _mm_min_pd(a.v[0],a.v[1]);
     return _mm_cvtsd_f64(_mm_min_sd(m,_mm_unpackhi_pd(m,m)));
   }
-  inline double greatest(Double4 a) {
+  inline double reduceMax(Double4 a) {
     const __m128d m = _mm_max_pd(a.v[0],a.v[1]);
     return _mm_cvtsd_f64(_mm_max_sd(m,_mm_unpackhi_pd(m,m)));
   }

@@ -33,29 +33,29 @@ namespace cvert { inline namespace CVERT_ISA
   /*! In each lane, all bits are set or none. */
   struct FloatMask4 { uint32x4_t v; };
 
-  inline FloatMask4 below(Float4 a, Float4 b) { return { vcltq_f32(a.v,b.v) }; }
+  inline FloatMask4 lessThan(Float4 a, Float4 b) { return { vcltq_f32(a.v,b.v) }; }
   inline Float4 operator&(FloatMask4 mask, Float4 a) {
     return vreinterpretq_f32_u32(vandq_u32(mask.v,vreinterpretq_u32_f32(a.v)));
   }
   inline Float4 select(FloatMask4 mask, Float4 a, Float4 b) { return vbslq_f32(mask.v,a.v,b.v); }
 
   /* Return the first operand if an operand is NaN, as std::min and std::max do. NEON's instructions return NaN. */
-  inline Float4 min(Float4 a, Float4 b) { return select(below(b,a),b,a); }
-  inline Float4 max(Float4 a, Float4 b) { return select(below(a,b),b,a); }
+  inline Float4 min(Float4 a, Float4 b) { return select(lessThan(b,a),b,a); }
+  inline Float4 max(Float4 a, Float4 b) { return select(lessThan(a,b),b,a); }
 
   inline Float4 abs(Float4 a) { return vabsq_f32(a.v); }
 
-  inline float greatest(Float4 a)
+  inline float reduceMax(Float4 a)
   {
     const Float4 m = max(vextq_f32(a.v,a.v,2),a);
     const float m0 = vgetq_lane_f32(m.v,0), m1 = vgetq_lane_f32(m.v,1);
     return m0 > m1 ? m0 : m1;
   }
 
-  inline uint32_t bitsOf(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
+  inline uint32_t maskBits(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
 
-  inline uint32_t lanesLess(Float4 a, Float4 b) { return bitsOf(vcltq_f32(a.v,b.v)); }
-  inline uint32_t lanesEqual(Float4 a, Float4 b) { return bitsOf(vceqq_f32(a.v,b.v)); }
+  inline uint32_t lanesLess(Float4 a, Float4 b) { return maskBits(vcltq_f32(a.v,b.v)); }
+  inline uint32_t lanesEqual(Float4 a, Float4 b) { return maskBits(vceqq_f32(a.v,b.v)); }
 
   struct Int4
   {
@@ -88,8 +88,8 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 min(Int4 a, Int4 b) { return vminq_s32(a.v,b.v); }
   inline Int4 max(Int4 a, Int4 b) { return vmaxq_s32(a.v,b.v); }
 
-  inline int least(Int4 a) { return vminvq_s32(a.v); }
-  inline int greatest(Int4 a) { return vmaxvq_s32(a.v); }
+  inline int reduceMin(Int4 a) { return vminvq_s32(a.v); }
+  inline int reduceMax(Int4 a) { return vmaxvq_s32(a.v); }
   inline int reduceOr(Int4 a) {
     const int64x2_t halves = vreinterpretq_s64_s32(a.v);
     const uint64_t both = uint64_t(vgetq_lane_s64(halves,0) | vgetq_lane_s64(halves,1));

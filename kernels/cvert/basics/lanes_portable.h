@@ -38,7 +38,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Float4 max(Float4 a, Float4 b) { return Float4::of([&](int i) { return b.v[i] > a.v[i] ? b.v[i] : a.v[i]; }); }
   inline Float4 abs(Float4 a) { return Float4::of([&](int i) { return std::fabs(a.v[i]); }); }
 
-  inline FloatMask4 below(Float4 a, Float4 b) {
+  inline FloatMask4 lessThan(Float4 a, Float4 b) {
     return FloatMask4{ { a.v[0] < b.v[0],a.v[1] < b.v[1],a.v[2] < b.v[2],a.v[3] < b.v[3] } };
   }
   inline Float4 operator&(FloatMask4 mask, Float4 a) {
@@ -48,7 +48,7 @@ namespace cvert { inline namespace CVERT_ISA
     return Float4::of([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; });
   }
 
-  inline float greatest(Float4 a)
+  inline float reduceMax(Float4 a)
   {
     const Float4 m = max(Float4(a.v[2],a.v[3],a.v[2],a.v[3]),a);
     return m.v[0] > m.v[1] ? m.v[0] : m.v[1];
@@ -97,15 +97,15 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   template<typename Operation>
-  inline int reduced(Int4 a, const Operation& operation)
+  inline int reduce(Int4 a, const Operation& operation)
   {
     Int4 sum = int(a.v[0]);
     for (int i=1; i<4; i++) sum = operation(sum,Int4(int(a.v[i])));
     return int(sum.v[0]);
   }
-  inline int least(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return min(x,y); }); }
-  inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
-  inline int reduceOr(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
+  inline int reduceMin(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return min(x,y); }); }
+  inline int reduceMax(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return max(x,y); }); }
+  inline int reduceOr(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return x | y; }); }
 
   inline Int4 square(Int4 a) { return a*a; }
   inline Float4 toFloat(Int4 a) { return Float4::of([&](int i) { return float(int32_t(a.v[i])); }); }

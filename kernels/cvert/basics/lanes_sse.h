@@ -35,13 +35,13 @@ namespace cvert { inline namespace CVERT_ISA
   inline Float4 abs(Float4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f),a.v); }
 
   /*! Mask of the lanes in which a is less than b. */
-  inline Float4 below(Float4 a, Float4 b) { return _mm_cmplt_ps(a.v,b.v); }
+  inline Float4 lessThan(Float4 a, Float4 b) { return _mm_cmplt_ps(a.v,b.v); }
   inline Float4 operator&(Float4 mask, Float4 a) { return _mm_and_ps(mask.v,a.v); }
   inline Float4 select(Float4 mask, Float4 a, Float4 b) {
     return _mm_or_ps(_mm_and_ps(mask.v,a.v),_mm_andnot_ps(mask.v,b.v));
   }
 
-  inline float greatest(Float4 a) {
+  inline float reduceMax(Float4 a) {
     const __m128 m = _mm_max_ps(a.v,_mm_movehl_ps(a.v,a.v));
     return _mm_cvtss_f32(_mm_max_ss(m,_mm_shuffle_ps(m,m,1)));
   }
@@ -88,23 +88,23 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 min(Int4 a, Int4 b) { return _mm_min_epi32(a.v,b.v); }
   inline Int4 max(Int4 a, Int4 b) { return _mm_max_epi32(a.v,b.v); }
 #else
-  inline Int4 below(Int4 a, Int4 b) { return _mm_cmplt_epi32(a.v,b.v); }
+  inline Int4 lessThan(Int4 a, Int4 b) { return _mm_cmplt_epi32(a.v,b.v); }
   inline Int4 select(Int4 mask, Int4 a, Int4 b) {
     return _mm_or_si128(_mm_and_si128(mask.v,a.v),_mm_andnot_si128(mask.v,b.v));
   }
-  inline Int4 min(Int4 a, Int4 b) { return select(below(a,b),a,b); }
-  inline Int4 max(Int4 a, Int4 b) { return select(below(a,b),b,a); }
+  inline Int4 min(Int4 a, Int4 b) { return select(lessThan(a,b),a,b); }
+  inline Int4 max(Int4 a, Int4 b) { return select(lessThan(a,b),b,a); }
 #endif
 
   /*! Combines all lanes by an operation that is associative and commutative. */
   template<typename Operation>
-  inline int reduced(Int4 a, const Operation& operation) {
+  inline int reduce(Int4 a, const Operation& operation) {
     const Int4 halves = operation(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
     return _mm_cvtsi128_si32(operation(halves,Int4(_mm_shuffle_epi32(halves.v,1))).v);
   }
-  inline int least(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return min(x,y); }); }
-  inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
-  inline int reduceOr(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
+  inline int reduceMin(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return min(x,y); }); }
+  inline int reduceMax(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return max(x,y); }); }
+  inline int reduceOr(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return x | y; }); }
 
   /*! Requires lanes from 0 to 255. */
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }

@@ -37,7 +37,7 @@ namespace cvert
     }
 
     /*! Bits of an index, 3 to 6. highest: largest index of a reused vertex. */
-    inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
+    inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitWidth(highest); }
 
     /*! True if a block has room. vertexBits: bits per vertex. indices: of the strip. reused: those of them that refer
      *  to earlier vertices. */

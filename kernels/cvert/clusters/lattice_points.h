@@ -121,6 +121,6 @@ namespace cvert
     }
 
     /*! Bits of offsets on axis k, 1 to 16. */
-    uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
+    uint32_t bits (int k) const { return upper[k] > lower[k] ? bitWidth(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -160,8 +160,8 @@ namespace cvert { inline namespace CVERT_ISA
       BitWriter writer(out);
       for (uint32_t i=0; i<numVertices(); i++)
         for (int k=0; k<3; k++)
-          if (remainderBits[k] != 0) writer.put(remainders[k][i],storedRemainderBits(word,k));
-      return writer.end();
+          if (remainderBits[k] != 0) writer.write(remainders[k][i],storedRemainderBits(word,k));
+      return writer.finish();
     }
 
   private:

@@ -150,7 +150,7 @@ namespace cvert { inline namespace CVERT_ISA
         lower = min(lower,x);
         upper = max(upper,x);
       }
-      return { least(lower),greatest(upper) };
+      return { reduceMin(lower),reduceMax(upper) };
     }
 
     /*! Vertices of a group in an array of the block's vertices. */
@@ -173,7 +173,7 @@ namespace cvert { inline namespace CVERT_ISA
             lower = min(lower,min(left,right));
             upper = max(upper,max(left,right));
           }
-          return { least(lower),greatest(upper) };
+          return { reduceMin(lower),reduceMax(upper) };
         }
         Span span = { *begin,*begin };
         for (uint32_t j=0; j<=y; j++)

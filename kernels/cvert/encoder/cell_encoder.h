@@ -88,7 +88,7 @@ namespace cvert { inline namespace CVERT_ISA
       auto residual = [&](int i, int v) { return Int4::load(component[i]+v) & Int4(int((1u << bits[i])-1u)); };
       auto put = [&](int width) {
         for (int v=0; v<cellVertices; v++)
-          if (!isCorner(v)) writer.put(fields[v],width);
+          if (!isCorner(v)) writer.write(fields[v],width);
       };
       if (isByAxis(word)) {
         for (int i=0; i<3; i++) {
@@ -101,7 +101,7 @@ namespace cvert { inline namespace CVERT_ISA
           (residual(0,v) | (residual(1,v) << bits[0]) | (residual(2,v) << (bits[0]+bits[1]))).store(fields+v);
         put(sum);
       }
-      return writer.end();
+      return writer.finish();
     }
 
   private:

@@ -81,7 +81,7 @@ namespace cvert { inline namespace CVERT_ISA
     Float4 snap (Float4 x) const
     {
       const Float4 snapped = toFloat(rounded(x*reciprocal))*spacing;
-      return select(below(abs(x),limit),snapped,x);
+      return select(lessThan(abs(x),limit),snapped,x);
     }
   };
 

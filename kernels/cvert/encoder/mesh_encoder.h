@@ -265,14 +265,14 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t shift = shiftOf(most,ranked);
       uint64_t sum = 0;
       for (uint32_t g=0; g<groups; g++)
-        sum += all[g].own*bitsOf((((hi[g] >> shift) - (lo[g] >> shift) + 1) << shift) - 1);
+        sum += all[g].own*bitWidth((((hi[g] >> shift) - (lo[g] >> shift) + 1) << shift) - 1);
       return sum;
     }
 
     /*! Shift of boxes, whose planes have 8 bits. most: largest coordinate. */
     static uint32_t shiftOf (uint32_t most, bool ranked)
     {
-      const uint32_t bits = bitsOf(most), least = ranked ? leastRankShift : 0;
+      const uint32_t bits = bitWidth(most), least = ranked ? minRankShift : 0;
       return bits > 8+least ? bits-8 : least;
     }
 
@@ -359,15 +359,15 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const uint32_t* const ids = all[g].given;
         base[g] = *std::min_element(ids,ids+all[g].triangles);
-        numberBits[g] = bitsOf(*std::max_element(ids,ids+all[g].triangles)-base[g]);
+        numberBits[g] = bitWidth(*std::max_element(ids,ids+all[g].triangles)-base[g]);
         if (numberBits[g] == 31) numberBits[g] = 32;
         lowest = std::min(lowest,base[g]);
         highestBase = std::max(highestBase,base[g]);
       }
-      const uint32_t baseBits = bitsOf(highestBase-lowest), otherBits = bitsOf(numVertices-1);
+      const uint32_t baseBits = bitWidth(highestBase-lowest), otherBits = bitWidth(numVertices-1);
       std::memcpy(header.origin,origin,sizeof(origin));
       for (int k=0; k<3; k++) header.spacings |= (isRanked[k] ? 0u : uint32_t(exponent[k]+127)) << (8*k);
-      for (int k=0; k<3; k++) header.form |= (shifts[k] - (isRanked[k] ? leastRankShift : 0)) << (4*k);
+      for (int k=0; k<3; k++) header.form |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k);
       header.surface = surface;
       header.primID = lowest;
       header.counts = meshMarkOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
@@ -390,20 +390,20 @@ namespace cvert { inline namespace CVERT_ISA
           block[layout.boxes + uint32_t(k)*groups + g] = uint8_t(group.lower[k]);
           block[layout.boxes + uint32_t(3+k)*groups + g] = uint8_t(group.extent[k]);
         }
-        const uint32_t stream = streamLength(group.triangles,group.restarts), repeatBits = bitsOf(group.vertices-1);
-        topology.put(group.restartMask >> 1,group.triangles-1);
-        topology.put(group.fanMask >> 1,group.triangles-1);
-        for (uint32_t t=0; t<group.triangles; t++) topology.put(group.turns[t],2);
+        const uint32_t stream = streamLength(group.triangles,group.restarts), repeatBits = bitWidth(group.vertices-1);
+        topology.write(group.restartMask >> 1,group.triangles-1);
+        topology.write(group.fanMask >> 1,group.triangles-1);
+        for (uint32_t t=0; t<group.triangles; t++) topology.write(group.turns[t],2);
         const uint64_t news = group.newMask >> 3;
-        topology.put(uint32_t(news),std::min(stream-3,32u));
-        if (stream-3 > 32) topology.put(uint32_t(news >> 32),stream-3-32);
-        topology.put(group.ownMask,group.vertices);
-        for (uint32_t i=0; i<group.repeats; i++) topology.put(group.repeated[i],repeatBits);
+        topology.write(uint32_t(news),std::min(stream-3,32u));
+        if (stream-3 > 32) topology.write(uint32_t(news >> 32),stream-3-32);
+        topology.write(group.ownMask,group.vertices);
+        for (uint32_t i=0; i<group.repeats; i++) topology.write(group.repeated[i],repeatBits);
         for (uint32_t i=0; i<group.vertices; i++)
-          if (((group.ownMask >> i) & 1) == 0) topology.put(group.numbers[i],otherBits);
+          if (((group.ownMask >> i) & 1) == 0) topology.write(group.numbers[i],otherBits);
         topologyBits += meshTopology(byte,record,numVertices).bits;
       }
-      BitWriter fields(topology.end());
+      BitWriter fields(topology.finish());
       for (uint32_t g=0; g<groups; g++)
       {
         const Group& group = all[g];
@@ -412,17 +412,17 @@ namespace cvert { inline namespace CVERT_ISA
         vertexBits += group.own*(bits[0]+bits[1]+bits[2]);
         for (uint32_t v=group.firstVertex; v<group.firstVertex+group.own; v++)
           for (int k=0; k<3; k++)
-            fields.put(coordinates[k][v] - (group.lower[k] << shifts[k]),bits[k]);
+            fields.write(coordinates[k][v] - (group.lower[k] << shifts[k]),bits[k]);
       }
-      BitWriter numbers(fields.end());
+      BitWriter numbers(fields.finish());
       uint32_t sumOfNumberBits = 0;
       for (uint32_t g=0; g<groups; g++) {
-        numbers.put(base[g]-lowest,baseBits);
-        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].given[t]-base[g],numberBits[g]);
+        numbers.write(base[g]-lowest,baseBits);
+        for (uint32_t t=0; t<all[g].triangles; t++) numbers.write(all[g].given[t]-base[g],numberBits[g]);
         sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
         statistics.restarts += all[g].restarts;
       }
-      uint8_t* end = numbers.end();
+      uint8_t* end = numbers.finish();
       while ((end-block) % 4 != 0) *end++ = 0;
       header.bytes = uint32_t(end-block);
       std::memcpy(block,&header,sizeof(header));

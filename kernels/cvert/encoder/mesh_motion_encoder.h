@@ -95,7 +95,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         step.spacings |= spacingOf(k) << (8*k);
         baseBits[k] = residuals[k].baseBits(groups);
-        step.form |= (shifts[k] - (isRanked[k] ? leastRankShift : 0)) << (4*k) | baseBits[k] << (12+6*k);
+        step.form |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k) | baseBits[k] << (12+6*k);
       }
       std::memcpy(out,&step,sizeof(step));
 
@@ -114,13 +114,13 @@ namespace cvert { inline namespace CVERT_ISA
       BitWriter bases(out+layout.bases);
       for (uint32_t g=0; g<groups; g++)
         for (int k=0; k<3; k++)
-          bases.put(uint32_t(residuals[k].base[g]) & lowBits(baseBits[k]),baseBits[k]);
-      BitWriter fields(bases.end());
+          bases.write(uint32_t(residuals[k].base[g]) & lowBits(baseBits[k]),baseBits[k]);
+      BitWriter fields(bases.finish());
       for (uint32_t g=0; g<groups; g++)
         for (uint32_t v=all[g].firstVertex; v<all[g].firstVertex+all[g].own; v++)
           for (int k=0; k<3; k++)
-            fields.put(residuals[k].of[v]-uint32_t(residuals[k].base[g]),residuals[k].bits[g]);
-      uint8_t* end = fields.end();
+            fields.write(residuals[k].of[v]-uint32_t(residuals[k].base[g]),residuals[k].bits[g]);
+      uint8_t* end = fields.finish();
       while ((end-out) % 4 != 0) *end++ = 0;
       return end;
     }
@@ -141,7 +141,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         uint32_t most = 0;
         for (uint32_t g=0; g<groups; g++)
-          if (base[g] != 0) most = std::max(most,bitsOf(uint32_t(base[g] < 0 ? ~base[g] : base[g]))+1);
+          if (base[g] != 0) most = std::max(most,bitWidth(uint32_t(base[g] < 0 ? ~base[g] : base[g]))+1);
         return most;
       }
     };
@@ -178,7 +178,7 @@ namespace cvert { inline namespace CVERT_ISA
           most = std::max(most,int32_t(out.of[v]));
         }
         out.base[g] = least;
-        out.bits[g] = bitsOf(uint32_t(most)-uint32_t(least));
+        out.bits[g] = bitWidth(uint32_t(most)-uint32_t(least));
         if (out.bits[g] == 31) out.bits[g] = 32;
         sum += all[g].own*out.bits[g];
       }

@@ -24,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
     const Vertices4 s(square[0],square[1],square[2],true);
     const Float4 distance2 = s.x+s.y+s.z;
-    return greatest(below(distance2,std::numeric_limits<float>::max()) & distance2);
+    return reduceMax(lessThan(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
   /*! Counts quads, of four in a row with triangles (00,10,01) and (10,11,01), with a normal that turned by more than 90

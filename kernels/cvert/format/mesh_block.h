@@ -44,7 +44,7 @@ CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
 CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maxMeshGroups*maxGroupVertices
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< smallest shift of boxes on an axis that stores ranks
+CVERT_CONSTANT uint32_t minRankShift = 9u;        //!< smallest shift of boxes on an axis that stores ranks
 
 struct MeshHeader
 {
@@ -104,7 +104,7 @@ CBVH_FUNCTION float floatOfRank (uint32_t rank) {
 
 /*! Planes of groups' boxes are multiples of 2^meshBoxShift coordinates. */
 CBVH_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
-  return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? leastRankShift : 0u);
+  return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? minRankShift : 0u);
 }
 
 CBVH_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
@@ -148,7 +148,7 @@ CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
 }
 
 /*! Bits that the numbers below `count` need. */
-CBVH_FUNCTION uint32_t bitsForBelow (uint32_t count)
+CBVH_FUNCTION uint32_t bitsForIndex (uint32_t count)
 {
   uint32_t bits = 0u;
   for (uint32_t rest=count-1u; rest != 0u; rest>>=1) bits++;
@@ -181,8 +181,8 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
     locals = groupVertices(record);
   MeshTopology at;
-  at.repeatBits = bitsForBelow(locals);
-  at.otherBits = bitsForBelow(vertices);
+  at.repeatBits = bitsForIndex(locals);
+  at.otherBits = bitsForIndex(vertices);
   at.restarts = 0u;
   at.fans = triangles-1u;
   at.turns = at.fans + triangles-1u;
@@ -196,7 +196,7 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
 
 /*! Bits of a vertex's field on an axis. extent: stored extent of the group's box on this axis. */
 CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
-  return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
+  return bitsForIndex((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
 /*! Bits of a group's primitive numbers: a base, then a number per triangle. */
