@@ -20,7 +20,7 @@ inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps,
                                    int exponent)
 {
   const cvert::WorldLattice lattice(exponent);
-  const cvert::VertPlacement place(cvert::vertRegion(width, height, 0, 0), cvert::vertPatch(width, height));
+  const cvert::VertPlacement place(cvert::packRegion(width, height, 0, 0), cvert::packPatchQuads(width, height));
   const auto fill = [&](const std::vector<float>& from, float (*to)[3]) {
     for (size_t i = 0; i < from.size(); i++) to[i/3][i % 3] = lattice.snap(from[i]);
   };

@@ -530,7 +530,7 @@ TEST(MeshBlock, ConstantsAndFieldsMatchPage)
     {"triangles of a group, at most", maxGroupTriangles}, {"vertices of a group, at most", maxGroupVertices},
     {"restarts of a group, at most", maxGroupRestarts},
     {"shift of boxes on an axis of ranks, at least", minRankShift},
-    {"bytes after a block that decoders may read", readPastVert}});
+    {"bytes after a block that decoders may read", vertReadPadding}});
   expectRows("mesh_block.md", "Header", {
     {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)},
     {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},

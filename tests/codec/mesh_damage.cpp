@@ -95,7 +95,7 @@ TEST(MeshDamage, MeshReadersRejectGridBlocks)
     for (int k = 0; k < 3; k++) encoder->vertices[i][k] = float(k == 0 ? i % 5 : k == 1 ? i/5 : i % 3);
   alignas(16) uint8_t bytes[VertEncoder::maxBytes];
   VertStatistics statistics;
-  const size_t size = encoder->encode({vertRegion(4, 4, 0, 0), vertPatch(4, 4)}, bytes, statistics);
+  const size_t size = encoder->encode({packRegion(4, 4, 0, 0), packPatchQuads(4, 4)}, bytes, statistics);
   const Reason reason = validateMesh(bytes, size);
   EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED);
   EXPECT_NE(reason.message().find("kind 0"), std::string::npos) << reason.message();

@@ -161,7 +161,7 @@ TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps)
       for (size_t v = 0; v < step.size(); v++) std::copy(step[v].begin(), step[v].end(), still->vertices[v]);
       std::vector<uint8_t> bytes(VertEncoder::maxBytes);
       VertStatistics statistics;
-      alone += double(still->encode({vertRegion(16, 16, 0, 0), vertPatch(16, 16)}, bytes.data(), statistics));
+      alone += double(still->encode({packRegion(16, 16, 0, 0), packPatchQuads(16, 16)}, bytes.data(), statistics));
     }
   }
   EXPECT_LE(both, alone);

@@ -36,13 +36,13 @@ struct Encoded
 
 VertPlacement whole(uint32_t quadsX, uint32_t quadsY)
 {
-  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)};
+  return {packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY)};
 }
 
 // The same with edges after its header.
 VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY)
 {
-  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)};
+  return {packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY), packEdges(quadsX, quadsY, 1, 1, 1, 5)};
 }
 
 // On a lattice: a plane, a bend and noise in spacings.
@@ -426,7 +426,7 @@ TEST(VertBlock, EncoderWritesAnnotatedBlock)
       float* v = encoder->vertices[6*j + i];
       v[0] = float(100 + 8*i); v[1] = float(8*j); v[2] = float(i*i - (i == 1 && j == 1 ? 12 : 0));
     }
-  Encoded encoded(*encoder, {vertRegion(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)});
+  Encoded encoded(*encoder, {packRegion(5, 2, 16, 0), packPatchQuads(21, 2), packEdges(21, 2, 7, 2, 0, 0)});
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->surface = 3;
   block->primID = 5;
@@ -522,15 +522,15 @@ TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap)
   for (int n = 0; n < 1000; n++) {
     const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096),
                    y = 16*random.below(4096), u = random.below(16), v = random.below(16);
-    const uint32_t region = vertRegion(w, h, x, y);
+    const uint32_t region = packRegion(w, h, x, y);
     EXPECT_EQ(vertQuadsX(region), w); EXPECT_EQ(vertQuadsY(region), h);
-    EXPECT_EQ(vertX(region), x); EXPECT_EQ(vertY(region), y);
+    EXPECT_EQ(vertFirstX(region), x); EXPECT_EQ(vertFirstY(region), y);
     const uint32_t quadsX = 1 + random.below(65536), quadsY = 1 + random.below(65536);
-    EXPECT_EQ(patchQuadsX(vertPatch(quadsX, quadsY)), quadsX);
-    EXPECT_EQ(patchQuadsY(vertPatch(quadsX, quadsY)), quadsY);
+    EXPECT_EQ(patchQuadsX(packPatchQuads(quadsX, quadsY)), quadsX);
+    EXPECT_EQ(patchQuadsY(packPatchQuads(quadsX, quadsY)), quadsY);
     uint32_t rate[4];
     for (uint32_t& r : rate) r = 1 + random.below(maxVertRate);
-    const VertEdges edges = vertEdges(rate[0], rate[1], rate[2], rate[3], u, v);
+    const VertEdges edges = packEdges(rate[0], rate[1], rate[2], rate[3], u, v);
     for (int s = 0; s < 4; s++) EXPECT_EQ(vertRate(edges, s), rate[s]);
     EXPECT_EQ(vertCornerU(edges), u); EXPECT_EQ(vertCornerV(edges), v);
   }

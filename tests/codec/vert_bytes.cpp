@@ -101,8 +101,8 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
 // Inside a patch; sheets with an odd width have edges.
 VertPlacement placementOf(const Sheet& sheet)
 {
-  const uint32_t region = vertRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
-  return sheet.quadsX % 2 ? VertPlacement(region, patch, vertEdges(100, 7, 31, 50, 5, 1))
+  const uint32_t region = packRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = packPatchQuads(100, 50);
+  return sheet.quadsX % 2 ? VertPlacement(region, patch, packEdges(100, 7, 31, 50, 5, 1))
                           : VertPlacement(region, patch);
 }
 

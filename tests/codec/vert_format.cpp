@@ -38,7 +38,7 @@ TEST(VertFormat, ConstantsMatchPages)
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
   expectConstants("block.md", {{"format version, `vertFormatVersion`", vertFormatVersion},
                                {"alignment of a block, bytes", blockAlignment},
-                               {"bytes after a block that decoders may read", readPastVert},
+                               {"bytes after a block that decoders may read", vertReadPadding},
                                {"type of a block in the tree", VERT_BLOCK},
                                {"type of a moving block in the tree", MOVING_VERT_BLOCK},
                                {"quads along a side of a block, at most", side},
@@ -57,10 +57,10 @@ TEST(VertFormat, ConstantsMatchPages)
   const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
   const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
   const auto at = intersectPlane(triangle, normalOf(triangle), org, dir);
-  EXPECT_EQ(at.speed, 3);
+  EXPECT_EQ(at.normalDotDir, 3);
   expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
                               {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
-                              {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
+                              {"a plane contains the ray up to this part of the sum, `minCosine`", at.parallelLimit/3},
                               {"median edge / default spacing", 1/spacingOfEdge},
                               {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge},
                               {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge},
@@ -146,13 +146,15 @@ TEST(VertFormat, HeaderMatchesPage)
 TEST(VertFormat, FieldsMatchPages)
 {
   expectFields(bitsOf("block.md", "`region`"), [](size_t field, uint32_t ones) {
-    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads,
+    return packRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads,
                       (field == 3)*ones*vertBlockQuads);
   });
   expectFields(bitsOf("block.md", "`patchQuads`"),
-               [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
+               [](size_t field, uint32_t ones) {
+                 return packPatchQuads(1 + (field == 0)*ones, 1 + (field == 1)*ones);
+               });
   expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) {
-    return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low;
+    return packEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low;
   });
   const std::vector<Bits> form = bitsOf("block.md", "`boxForm`");
   ASSERT_EQ(form.size(), 11u);
@@ -283,7 +285,7 @@ TEST(VertFormat, NumbersMatchPage)
   alignas(16) uint8_t block[256] = {};
   VertHeader& header = *(VertHeader*)block;
   header.primID = 1000;
-  header.region = vertRegion(3, 2, 0, 0);
+  header.region = packRegion(3, 2, 0, 0);
   header.boxForm = 1u << 30;
   header.patchQuads = numbersInTable;
   const VertNumbers table = {128, 11};
@@ -298,16 +300,17 @@ TEST(VertFormat, NumbersMatchPage)
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};
   for (uint32_t turn = 0; turn < 3; turn++) {
-    const OwnParameters p = ownParameters(numbersOfTriangles | formOfFirstCorners(turn, 0), false, a, b);
+    const PrimitiveParameters p = primitiveParameters(numbersOfTriangles | formOfFirstCorners(turn, 0), false, a, b);
     EXPECT_EQ(p.u, w[(1 + turn) % 3]);
     EXPECT_EQ(p.v, w[(2 + turn) % 3]);
-    const OwnParameters q = ownParameters(numbersOfTriangles | formOfFirstCorners(0, turn), true, 1 - a, 1 - b);
+    const PrimitiveParameters q =
+      primitiveParameters(numbersOfTriangles | formOfFirstCorners(0, turn), true, 1 - a, 1 - b);
     EXPECT_EQ(q.u, w[(1 + turn) % 3]);
     EXPECT_EQ(q.v, w[(2 + turn) % 3]);
   }
   EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is clamped to 0";
-  EXPECT_EQ(ownParameters(numbersOfTriangles | formOfFirstCorners(0, 2), true, a, b).u, 0);
-  const OwnParameters own = ownParameters(0, true, a, b);
+  EXPECT_EQ(primitiveParameters(numbersOfTriangles | formOfFirstCorners(0, 2), true, a, b).u, 0);
+  const PrimitiveParameters own = primitiveParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
   EXPECT_EQ(own.v, b);
   const auto primitive = [&](uint32_t ofNumbers, bool isSecond) {
@@ -382,7 +385,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
     encoder.set(numbers, 16, 2, 4, 16);
     alignas(16) uint8_t bytes[NumbersEncoder::maxBytes + 128] = {};
     VertHeader& header = *(VertHeader*)bytes;
-    header.region = vertRegion(4, 16, 16, 0);
+    header.region = packRegion(4, 16, 16, 0);
     header.boxForm = 1u << 30;
     header.patchQuads = encoder.form;
     std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));

@@ -134,7 +134,7 @@ TEST(VertRule, TriangleWithNonFiniteVertexContainsNothing)
 TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
 {
   const uint32_t quads[2] = {7, 5}, rates[4] = {3, 2, 7, 4}; // v = 0, u = 1, v = 1, u = 0
-  const VertEdges edges = vertEdges(rates[0], rates[1], rates[2], rates[3], 1, 0);
+  const VertEdges edges = packEdges(rates[0], rates[1], rates[2], rates[3], 1, 0);
   const auto parameter = [](uint32_t i, uint32_t n, uint32_t rate) { return std::floor((i + 0.5)*rate/n)/rate; };
   for (uint32_t y = 0; y < quads[1]; y++)
     for (uint32_t x = 0; x < quads[0]; x++)
@@ -151,8 +151,8 @@ TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
             a += weight[k]*(corners[k] & 1);
             b += weight[k]*(corners[k] >> 1);
           }
-          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond,
-                                                             float(a), float(b));
+          const FaceParameters found = parametersAtStitchedEdge(packPatchQuads(quads[0], quads[1]), edges, x, y,
+                                                                isSecond, float(a), float(b));
           EXPECT_NEAR(found.u, u, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
           EXPECT_NEAR(found.v, v, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
         }

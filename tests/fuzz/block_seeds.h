@@ -21,7 +21,7 @@ inline void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawB
 {
   static const auto encoder = std::make_unique<MotionEncoder>();
   std::vector<uint8_t> bytes(MotionEncoder::maxBytes(3));
-  encoder->begin({vertRegion(quads, quads, 0, 0), vertPatch(quads, quads)}, 0, 1, 3, bytes.data());
+  encoder->begin({packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads)}, 0, 1, 3, bytes.data());
   for (int step = 0; step < 3; step++) {
     for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
       const uint32_t x = v % (quads + 1), y = v/(quads + 1);
@@ -56,8 +56,8 @@ inline void writeBlockSeeds(const std::string& folder)
           encoder->vertices[v][1] = float(16*y);
           encoder->vertices[v][2] = isRawBlock && v == 0 ? NAN : float(x*y % 5);
         }
-        VertPlacement at(vertRegion(quads, quads, 0, 0), vertPatch(quads, quads));
-        if (hasEdges) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quads, quads, quads, 1, 5));
+        VertPlacement at(packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads));
+        if (hasEdges) at = VertPlacement(at.region, at.patchQuads, packEdges(1, quads, quads, quads, 1, 5));
         VertStatistics statistics;
         const size_t size = encoder->encode(at, bytes.data(), statistics);
         REQUIRE(!validateVert(bytes.data(), size));

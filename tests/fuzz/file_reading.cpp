@@ -74,7 +74,7 @@ void seal(std::string& file)
 // quads: per side of its only block
 std::string fileOf(uint32_t quads, uint32_t numSteps)
 {
-  const VertPlacement place(vertRegion(quads, quads, 0, 0), vertPatch(quads, quads));
+  const VertPlacement place(packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads));
   std::vector<uint64_t> memory(MotionEncoder::maxBytes(numSteps)/8 + 1);
   auto fill = [&](float (*vertices)[3], uint32_t step) {
     for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   if (size == 0) return 0;
   if (const ExactMemory bytes(data, size, 16); validateMesh(bytes.get(), size)) return 0;
   std::vector<uint8_t> padded(data, data + size);
-  padded.resize(size + readPastVert);
+  padded.resize(size + vertReadPadding);
   const ExactMemory bytes(padded.data(), padded.size(), 16);
   const MeshHeader* const block = (const MeshHeader*)bytes.get();
   REQUIRE(block->bytes <= size);

@@ -66,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   RayBytes ray;
   if (!ray.read(data, size, sizeof(MeshHeader))) return 0;
   std::vector<uint8_t> padded(data, data + size);
-  padded.resize(size + readPastVert);
+  padded.resize(size + vertReadPadding);
   const ExactMemory memory(padded.data(), padded.size(), 16);
   MeshHeader* const block = (MeshHeader*)memory.get();
   if (validateMesh(block, size)) return 0;

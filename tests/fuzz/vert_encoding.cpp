@@ -86,8 +86,8 @@ void encode(const uint8_t* data, size_t size)
     }
     if (isSnapped) x = lattice.snap(x);
   }
-  VertPlacement at(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
-  if (input.form & 2) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quadsY, quadsX, 1, 5, 1));
+  VertPlacement at(packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY));
+  if (input.form & 2) at = VertPlacement(at.region, at.patchQuads, packEdges(1, quadsY, quadsX, 1, 5, 1));
 
   const std::vector<uint8_t> first = bytesOf(steps, at, lattice.spacing), second = bytesOf(steps, at, lattice.spacing);
   REQUIRE(first == second);

@@ -95,7 +95,7 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
 {
   static const auto encoder = std::make_unique<MotionEncoder>();
   std::vector<Vec3fa> memory(MotionEncoder::maxBytes(3)/sizeof(Vec3fa) + 2);
-  encoder->begin({region, vertPatch(vertQuadsX(region), vertQuadsY(region))}, 0, 1, 3, (uint8_t*)memory.data());
+  encoder->begin({region, packPatchQuads(vertQuadsX(region), vertQuadsY(region))}, 0, 1, 3, (uint8_t*)memory.data());
   for (int step = 0; step < 3; step++) {
     const float unit = step == 2 ? spacing/2 : spacing;
     for (uint32_t v = 0; v < still.numVertices(); v++) {
@@ -122,7 +122,7 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
   const size_t bytes = encoder.encode(
-    VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
+    VertPlacement(packRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
@@ -151,9 +151,9 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY),
-                                                           vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)),
-                                             (uint8_t*)memory.data(), statistics);
+        const VertPlacement place(packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY),
+                                  packEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5));
+        const size_t bytes = encoder->encode(place, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;

@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const ExactMemory bytes(data, size, 16);
   if (validateVert(bytes.get(), size)) return 0;
   std::vector<uint8_t> longer(data, data + size);
-  longer.resize(size + readPastVert);
+  longer.resize(size + vertReadPadding);
   const ExactMemory block(longer.data(), longer.size(), 16);
   decode((const VertHeader*)block.get());
   return 0;

@@ -161,7 +161,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
       const VertTriangle::Sides sides = triangle.sides(ray);
       ASSERT_TRUE(stored.at(t).w0 == sides.w0 && stored.at(t).w1 == sides.w1 && stored.at(t).w2 == sides.w2)
         << "case " << i << ", triangle " << t;
-      const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(sides);
+      const bool isInside = triangle.containsExactly(ray), isCertain = haveExactSigns(sides);
       if (isInside) { ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t; }
       else { ASSERT_FALSE((mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
       found += isInside;

@@ -58,8 +58,8 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
   unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0, withRemainders = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
-    VertPlacement place(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
-    if (i % 3 == 0) place = VertPlacement(place.region, place.patchQuads, vertEdges(1, 2, 3, 4, 1, 0));
+    VertPlacement place(packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY));
+    if (i % 3 == 0) place = VertPlacement(place.region, place.patchQuads, packEdges(1, 2, 3, 4, 1, 0));
     const float spacing = std::ldexp(1.0f, int(random.below(20)) - 10);
     fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10, 20}[i % 5], spacing, i % 7 < 5);
     VertStatistics statistics;
@@ -157,14 +157,14 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(sides))
+        ASSERT_FALSE((triangles.mask >> h & 1) && haveExactSigns(sides))
           << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
       ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
       found++;
-      onLines += !areCertain(sides);
+      onLines += !haveExactSigns(sides);
     }
   }
   EXPECT_GT(found, 20000u);

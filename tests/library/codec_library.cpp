@@ -140,7 +140,7 @@ private:
 
   void add(unsigned x, unsigned y, unsigned numSteps)
   {
-    const cvert::VertPlacement place(cvert::vertRegion(16, 16, x, y), cvert::vertPatch(quads, quads));
+    const cvert::VertPlacement place(cvert::packRegion(16, 16, x, y), cvert::packPatchQuads(quads, quads));
     blocks.emplace_back(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
     uint8_t* const data = (uint8_t*)blocks.back().data();
     size_t bytes;
@@ -257,7 +257,7 @@ TEST(CodecLibrary, ReportsErrors)
 TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
 {
   const unsigned side = 17, numSteps = 2;
-  const cvert::VertPlacement place(cvert::vertRegion(16, 16, 0, 0), cvert::vertPatch(16, 16));
+  const cvert::VertPlacement place(cvert::packRegion(16, 16, 0, 0), cvert::packPatchQuads(16, 16));
   std::vector<uint64_t> block(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
   const auto encoder = std::make_unique<cvert::MotionEncoder>();
   encoder->begin(place, 0, 1, numSteps, (uint8_t*)block.data());

@@ -117,7 +117,7 @@ TEST(FileFormat, TablesOfNumbersMatchCode)
     {"bytes of the header", text(sizeof(FileHeader))},
     {"bytes of a record of the directory", text(sizeof(FileGeometry))},
     {"alignment of trees and blocks, bytes", text(filePage)},
-    {"bytes after the blocks of a geometry, at least", text(fileReadPast)},
+    {"bytes after the blocks of a geometry, at least", text(fileReadPadding)},
     {"bytes of a node", text(sizeof(FileNode))},
     {"offset of the boxes in a node", text(offsetof(FileNode, planes))},
     {"bytes of an entry of a list", text(sizeof(FileEntry))},

@@ -102,7 +102,7 @@ FUNCTIONS = (
     # clusters for GPUs
     Entry("LatticePoints::locate", 3, CLUSTERS, {"shift >= [0 => 1]": "a shift by 0 has no effect"}),
     Entry("LatticePoints::place", 2, CLUSTERS),
-    Entry("putCompressed1", 3, CLUSTERS),
+    Entry("writeCompressed1", 3, CLUSTERS),
     Entry("QuadTriangles::QuadTriangles", 3, CLUSTERS),
     Entry("Block::write", 4, CLUSTERS),
     Entry("Block::controlOf", 3, CLUSTERS),
@@ -173,12 +173,12 @@ FUNCTIONS = (
     # what a ray hits in cVERT
     Entry("intersectPlane", 1, RAYS),
     Entry("normalOf", 1, RAYS),
-    Entry("placeOfHit", 3, RAYS),
+    Entry("classifyHit", 3, RAYS),
     Entry("VertHits::isInRange", 3, RAYS),
     Entry("VertHits::reportNearest", 2, RAYS),
     Entry("positionInQuad", 1, RAYS),
     Entry("faceParameterOfQuad", 1, RAYS),
-    Entry("parametersAtLowerEdge", 2, RULE),
+    Entry("parametersAtStitchedEdge", 2, RULE),
     Entry("intersectsBounds", 2, RAYS),
     Entry("intersectGroupBoxes", 2, RAYS, {
         "open = [0 => 1]": "triangles of a missed group are not hit",

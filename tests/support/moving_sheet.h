@@ -104,8 +104,8 @@ struct EncodedMotion
   cvert::MotionStatistics statistics;
 
   EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet)
-    : EncodedMotion(encoder, sheet,
-                    {cvert::vertRegion(sheet.quadsX, sheet.quadsY, 0, 0), cvert::vertPatch(sheet.quadsX, sheet.quadsY)})
+    : EncodedMotion(encoder, sheet, {cvert::packRegion(sheet.quadsX, sheet.quadsY, 0, 0),
+                                     cvert::packPatchQuads(sheet.quadsX, sheet.quadsY)})
   {}
 
   EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet, const cvert::VertPlacement& at)

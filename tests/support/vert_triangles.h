@@ -49,8 +49,8 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
             const uint32_t i = x + dx[second][c], j = y + dy[second][c];
             std::copy_n(decoded->vertex(i, j), 3, t.vertices[c].begin());
             for (float& f : t.vertices[c]) f += 0.0f; // maps -0 to 0
-            t.u[c] = 0.5*vertCornerU(edges) + (vertX(block->region) + i)/quadsX;
-            t.v[c] = 0.5*vertCornerV(edges) + (vertY(block->region) + j)/quadsY;
+            t.u[c] = 0.5*vertCornerU(edges) + (vertFirstX(block->region) + i)/quadsX;
+            t.v[c] = 0.5*vertCornerV(edges) + (vertFirstY(block->region) + j)/quadsY;
           }
           triangles.push_back(t);
         }

@@ -25,9 +25,9 @@ namespace embree
     class MappedBlocks
     {
     public:
-      /*! file: mapped with at least fileReadPast bytes after the blocks, which decoders may read. begin: first block.
-       *  number: surface number. If it differs from the record's, it is written into checked blocks, which must be
-       *  writable. name: for messages. */
+      /*! file: mapped with at least fileReadPadding bytes after the blocks, which decoders may read. begin: first
+       *  block. number: surface number. If it differs from the record's, it is written into checked blocks, which must
+       *  be writable. name: for messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
                     const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();

@@ -76,7 +76,7 @@ namespace embree
             for (uint32_t i=0; i<triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
           if (span.isEmpty() || !span.fits()) return emitFloats(square,reasonForFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
-          const size_t bytes = putCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
+          const size_t bytes = writeCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
           return emit(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
         }
 

@@ -61,7 +61,7 @@ namespace embree
           {
             const VertHeader* block = stored.vert();
             patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
-            first[0] = vertX(block->region); first[1] = vertY(block->region);
+            first[0] = vertFirstX(block->region); first[1] = vertFirstY(block->region);
             quads[0] = vertQuadsX(block->region); quads[1] = vertQuadsY(block->region);
             isCut = hasEdges(block->boxForm);
             edges = edgesOf(block);
@@ -180,7 +180,7 @@ namespace embree
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
-                  // `around` lists the corners in the order of ownParameters
+                  // `around` lists the corners in the order of primitiveParameters
                   const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
                   p[i] = corners[around[(i + firstCornerOfTriangle(form,isSecond)) % 3]];
                   if (!isTriangleForm(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }

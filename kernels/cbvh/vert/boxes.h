@@ -27,7 +27,7 @@ namespace embree
 
         __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertAxes& axes)
         {
-          ShearedCoordinate<Real> along = noShearedCoordinate<Real>();
+          ShearedCoordinate<Real> along = zeroShearedCoordinate<Real>();
           for (int k=0; k<3; k++)
             along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
           org = along.org;
@@ -83,11 +83,11 @@ namespace embree
           const int k = axisAfter(m,1+i);
           const Real from = Real(bounds.origin[k])-ray.org[k],
             slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
-          interval = clipped(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
+          interval = clipInterval(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
         const ShearedRay<Real> sheared(ray,bounds);
         const Real slack = sheared.error + Real(bounds.slack[m]);
-        interval = clipped(interval,(Real(bounds.sheared[0])-sheared.org)-slack,
+        interval = clipInterval(interval,(Real(bounds.sheared[0])-sheared.org)-slack,
                            (Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
         return interval.from <= interval.to;
       }

@@ -206,10 +206,10 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // extends past the block by less than readPastVert
+              uint64_t word; // extends past the block by less than vertReadPadding
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
-              x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);
+              x = addRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);
             }
         }
       }

@@ -142,8 +142,9 @@ namespace embree
         {
           t = float(exact);
           const float tfar = target.tfar();
-          const uint32_t place = placeOfHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
-          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.losesTieTo(block,number,target.ids()));
+          const uint32_t result = classifyHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
+          return likely(result == hitIsNearest)
+            || (result == hitIsTied && nearest.losesTieTo(block,number,target.ids()));
         }
 
         __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t,

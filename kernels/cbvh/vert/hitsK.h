@@ -52,7 +52,8 @@ namespace embree
           uint32_t accepted = 0;
           const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
           // (u,v) at edges of a lower rate are computed per ray
-          if (popcnt(one) > 1 && (likely(!hasEdges(block->boxForm)) || !hasLowerEdge(block->patchQuads,edgesOf(block))))
+          if (popcnt(one) > 1
+              && (likely(!hasEdges(block->boxForm)) || !hasStitchedEdge(block->patchQuads,edgesOf(block))))
             mask &= ~reportTogether(one,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
@@ -167,7 +168,7 @@ namespace embree
           const vfloat<K> tfar = rays.tfar;
           if (!needsHitData(rays,context,block->surface))
           {
-            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides)))
+            const uint32_t clear = mask & uint32_t(movemask(haveExactSigns(sides)))
               & batch.between(vertRays,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero); // no function reads the hit, see needsHitData
             const vbool<K> lanes = vbool<K>(int(clear));
@@ -178,7 +179,7 @@ namespace embree
           }
           batch.intersectPlanes(vertRays,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(batch.t);
-          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~batch.inPlane;
+          const uint32_t done = mask & uint32_t(movemask(haveExactSigns(sides) & (t != tfar))) & ~batch.inPlane;
           const vbool<K> hit = vbool<K>(int(done & batch.isHit)) & (t < tfar);
           if (none(hit)) return done;
 

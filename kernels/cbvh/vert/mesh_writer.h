@@ -93,7 +93,7 @@ namespace embree
           for (const float (&p)[3] : blockTriangles[i].corners) bounds.extend(p[0],p[1],p[2]);
         if (from.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),block,bytes);
-        store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);
+        store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
         addBlock(*(const cbvh::MeshHeader*)block,bytes,statistics);
       }

@@ -75,7 +75,7 @@ namespace embree
         cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
         if (from.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),header,bytes);
-        store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::readPastVert);
+        store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
         MeshWriter::addBlock(*header,bytes,statistics);
       }

@@ -44,7 +44,7 @@ namespace embree
 
         /*! True if the ray's line passes through the triangle. sides: see sides(); isInside must be true for them. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
-          return likely(areCertain(sides)) || containsExactly(ray);
+          return likely(haveExactSigns(sides)) || containsExactly(ray);
         }
 
         __noinline bool containsExactly (const VertRay& ray) const

@@ -180,7 +180,7 @@ namespace embree
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
         numbers.set(*patch.numbers,x,y,w,h);
-        return cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern);
+        return cbvh::VertPlacement(cbvh::packRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 
       /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */
@@ -194,7 +194,7 @@ namespace embree
         if (patch.numbers)
           addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
-        store.commit(size,toBBox(bounds),type,cbvh::readPastVert);
+        store.commit(size,toBBox(bounds),type,cbvh::vertReadPadding);
       }
 
       /*! Adds a block to the statistics. bytes: size without padding. */
@@ -234,13 +234,13 @@ namespace embree
        *  follow from the numbers of quads alone. */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
-        const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
+        const uint32_t region = cbvh::packRegion(w,h,x,y), quads = cbvh::packPatchQuads(patch.quads[0],patch.quads[1]);
         const bool touches[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
         bool needsEdges = patch.corner[0] != 0 || patch.corner[1] != 0;
         for (int s=0; s<4; s++) needsEdges |= touches[s] && sideRates[s] != patch.quads[s & 1];
         if (!needsEdges) return cbvh::VertPlacement(region,quads);
         return cbvh::VertPlacement(region,quads,
-          cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
+          cbvh::packEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
       /*! Rounds the vertices of a strip to their lattices, and adds the distances to the statistics. Returns the number

@@ -17,17 +17,17 @@ namespace cvert
 {
   /*! Writes vertices, which must fit (LatticeSpan). order: indices among the points. out: zeros, at least
    *  compressed1Bytes(count). Returns the size in bytes, a multiple of 4. */
-  inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
+  inline size_t writeCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
                                 uint32_t count, uint8_t* out)
   {
     const uint32_t bits[3] = { span.bits(0),span.bits(1),span.bits(2) };
-    putWord(out,points.exponent | uint32_t(span.lower[0]) << 8);
-    putWord(out+4,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
-    putWord(out+8,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
+    writeWord(out,points.exponent | uint32_t(span.lower[0]) << 8);
+    writeWord(out+4,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
+    writeWord(out+8,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
     size_t position = 8*12;
     for (uint32_t i=0; i<count; i++)
       for (int k=0; k<3; k++) {
-        putBits(out,position,bits[k],uint32_t(points.at[order[i]][k]-span.lower[k]));
+        writeBits(out,position,bits[k],uint32_t(points.at[order[i]][k]-span.lower[k]));
         position += bits[k];
       }
     return (position + 31)/32*4;

@@ -86,21 +86,21 @@ namespace cvert
 
         memset(bytes,0,sizeof(bytes));
         const uint32_t magic = 6, isOpaque = 1;
-        putWord(bytes,magic | (bitsOfIndex-3) << 8 | (numVertices-1) << 10 | (numTriangles-1) << 16 | isOpaque << 22);
-        putWord(bytes+4,points.exponent | uint32_t(span.lower[0]) << 8);
-        putWord(bytes+8,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
-        putWord(bytes+12,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
-        putWord(bytes+16,primitives);
+        writeWord(bytes,magic | (bitsOfIndex-3) << 8 | (numVertices-1) << 10 | (numTriangles-1) << 16 | isOpaque << 22);
+        writeWord(bytes+4,points.exponent | uint32_t(span.lower[0]) << 8);
+        writeWord(bytes+8,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
+        writeWord(bytes+12,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
+        writeWord(bytes+16,primitives);
         size_t position = 8*headerBytes;
         for (uint32_t i=0; i<numVertices; i++)
           for (int k=0; k<3; k++) {
-            putBits(bytes,position,bits[k],uint32_t(points.at[cluster.vertices[order[i]]][k]-span.lower[k]));
+            writeBits(bytes,position,bits[k],uint32_t(points.at[cluster.vertices[order[i]]][k]-span.lower[k]));
             position += bits[k];
           }
         position = (position + 7)/8*8;
-        for (uint32_t i=0; i<numReused; i++, position+=bitsOfIndex) putBits(bytes,position,bitsOfIndex,reused[i]);
-        for (uint32_t t=1; t<numTriangles; t++) putBits(bytes,8*blockBytes-2*t,2,control[t]);
-        for (uint32_t i=3; i<numIndices; i++) putBits(bytes,8*blockBytes-2*(numTriangles-1)-(i-2),1,isFirst[i]);
+        for (uint32_t i=0; i<numReused; i++, position+=bitsOfIndex) writeBits(bytes,position,bitsOfIndex,reused[i]);
+        for (uint32_t t=1; t<numTriangles; t++) writeBits(bytes,8*blockBytes-2*t,2,control[t]);
+        for (uint32_t i=3; i<numIndices; i++) writeBits(bytes,8*blockBytes-2*(numTriangles-1)-(i-2),1,isFirst[i]);
         return true;
       }
 

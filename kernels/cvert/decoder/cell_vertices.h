@@ -91,7 +91,7 @@ CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uin
 }
 
 /*! Applies a later step's matrix to a residual of the first step. */
-CBVH_FUNCTION Int3 rotatedByStep (CVERT_IN(StepView) step, Int3 r)
+CBVH_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).matrix[0], b = CVERT_AT(VertStep,step.data).matrix[1];
   uint32_t shift = rotationShift(step.rotation);
@@ -151,13 +151,13 @@ CBVH_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordi
 
 /*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
  *  vertexOfGroup. */
-CBVH_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
+CBVH_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);
   if (bits == 0u) return lattice;
   uint32_t word = bitsAt(step.data,remainderBegin(step.remainders,vertex,axis),
                          storedRemainderBits(step.remainders,axis));
-  return withRemainder(lattice,word,bits,step.spacing.at[axis]);
+  return addRemainder(lattice,word,bits,step.spacing.at[axis]);
 }
 
 /*! Requires a raw step. */

@@ -95,7 +95,7 @@ namespace cvert { inline namespace CVERT_ISA
             const uint32_t vertex = vertexOfGroup(block->region,gx,gy,i,j);
             for (int k=0; k<3; k++) {
               const float at = latticeVertex(view,k,group[5*j+i][k]);
-              vertices[vertex][k] = view.remainders == 0 ? at : withRemainder(view,vertex,k,at);
+              vertices[vertex][k] = view.remainders == 0 ? at : addRemainder(view,vertex,k,at);
             }
           }
         at += cellBytes(cell.word);
@@ -115,7 +115,7 @@ namespace cvert { inline namespace CVERT_ISA
           Int3& vertex = out[5*j+i];
           vertex = vertexOfRow(view.data,cell,row,i,j);
           if (first.isRotated && cellField(i,j) >= 0)
-            vertex = vertex + rotatedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
+            vertex = vertex + rotateResidual(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
         }
       }
     }

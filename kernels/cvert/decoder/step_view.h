@@ -27,7 +27,7 @@ struct StepView
 };
 
 /*! Returns the step with `spacing` and `remainders` set. remainders: byte offset of the word of remainders. */
-CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
+CVERT_INLINE StepView withSpacing (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
   step.spacing = vertSpacing(step.word,wordAt(step.data,c),wordAt(step.data,c+1u),wordAt(step.data,c+2u),
@@ -54,7 +54,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   step.wordsHigh = offsets.wordsHigh;
   step.cell = offsets.cell;
   step.vertices = offsets.vertices;
-  return withScales(step,offsets.remainders);
+  return withSpacing(step,offsets.remainders);
 }
 
 /*! number: of the step, 1 to the number of steps minus 1. */
@@ -78,7 +78,7 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   step.wordsHigh = offsets.wordsHigh;
   step.cell = offsets.cell;
   step.vertices = offsets.vertices;
-  return withScales(step,offsets.remainders);
+  return withSpacing(step,offsets.remainders);
 }
 
 /*! number: less than the number of steps; 0 unless the block moves. offsets: vertLayout of the block. */

@@ -58,7 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Checks the main axis and the slopes. word: word of a cell, or boxForm. */
-    static bool isForm(uint32_t word) {
+    static bool hasValidSlopes(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
 
@@ -68,7 +68,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (float x : spacing.at)
         if (!(x >= std::numeric_limits<float>::min() && x < infinity))
           return Reason::damaged("a spacing is not a normal float");
-      return isForm(word) ? Reason() : Reason::damaged("the main axis or a slope of its first cell is out of range");
+      return hasValidSlopes(word) ? Reason()
+        : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
     /*! end: receives the end of the step, in bytes from the start of the block. */
@@ -78,7 +79,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRaw(header.boxForm))
         return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(header.word,header.corners)) return reason;
-      if (!isForm(header.boxForm)) return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
+      if (!hasValidSlopes(header.boxForm))
+        return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
       if (bytes < layout.cell)
         return Reason::damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
       const uint8_t* block = (const uint8_t*)&header;
@@ -86,7 +88,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t g=0; g<layout.groups; g++)
       {
         const uint32_t word = wordOfGroup(block,layout.words,layout.wordsHigh,true,g);
-        if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % is out of range",g);
+        if (!hasValidSlopes(word)) return Reason::damaged("the main axis or a slope of group % is out of range",g);
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("it has % bytes: its fields need %",bytes,end);
@@ -155,7 +157,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (versionOfCorners(step.corners[4],step.corners[5]) != 0
           || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
         return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
-      if (!isForm(step.boxForm))
+      if (!hasValidSlopes(step.boxForm))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
       if (isRaw(header.boxForm) && ((step.rotation & 65535u) || isFirstCellRotated(step.boxForm)))
         return Reason::damaged("a time step predicts residuals from the first step, which is raw");
@@ -166,7 +168,7 @@ namespace cvert { inline namespace CVERT_ISA
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
         const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.boxForm),g);
-        if (!isForm(word))
+        if (!hasValidSlopes(word))
           return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);
       }
@@ -214,11 +216,11 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t entries = vertQuadsX(header.region)*vertQuadsY(header.region)*entriesPerQuad(form);
       const size_t needed = size_t(numbers.x) + bytesOfNumberTable(entries,numbers.y);
       if (bytes < needed) return Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed);
-      return patternOfNumbers(form) == numbersInTriangleTable ? validateTurns(header) : Reason();
+      return patternOfNumbers(form) == numbersInTriangleTable ? validateFirstCorners(header) : Reason();
     }
 
     /*! Requires a table of triangles within the block. */
-    static Reason validateTurns(const VertHeader& header)
+    static Reason validateFirstCorners(const VertHeader& header)
     {
       for (uint32_t y=0; y<vertQuadsY(header.region); y++)
         for (uint32_t x=0; x<vertQuadsX(header.region); x++)
@@ -231,8 +233,8 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validatePatch(const VertHeader& header)
     {
       const uint32_t quads[2] = { patchQuadsX(header.patchQuads),patchQuadsY(header.patchQuads) };
-      if (vertX(header.region) + vertQuadsX(header.region) > quads[0]
-          || vertY(header.region) + vertQuadsY(header.region) > quads[1])
+      if (vertFirstX(header.region) + vertQuadsX(header.region) > quads[0]
+          || vertFirstY(header.region) + vertQuadsY(header.region) > quads[1])
         return Reason::damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
       if (!hasEdges(header.boxForm)) return Reason();
       const VertEdges edges = edgesOf(&header);
@@ -247,6 +249,6 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Returns the first error in the cVERT block at `data`, which must be aligned to 4 bytes. bytes: number of readable
-   *  bytes; the block may be shorter. Decoders of valid blocks read only the block and readPastVert bytes after it. */
+   *  bytes; the block may be shorter. Decoders of valid blocks read up to vertReadPadding bytes after its end. */
   inline Reason validateVert(const void* data, size_t bytes) { return VertValidation::validate(data,bytes); }
 }}

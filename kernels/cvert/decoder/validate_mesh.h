@@ -204,6 +204,6 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Returns the first error in the mesh block at `data`, which must be aligned to 4 bytes. bytes: number of readable
-   *  bytes; the block may be shorter. Decoders of valid blocks read only the block and readPastVert bytes after it. */
+   *  bytes; the block may be shorter. Decoders of valid blocks read up to vertReadPadding bytes after its end. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

@@ -20,7 +20,7 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Size of the block, position in its patch, and parameters or numbers of its quads. */
   struct VertPlacement
   {
-    uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
+    uint32_t region, patchQuads;     //!< packRegion(), packPatchQuads()
     bool hasEdges = false, hasNumbers = false;
     VertEdges edges = { 0,0 };       //!< stored if hasEdges
     VertNumbers numbers = { 0,0 };   //!< stored if hasNumbers

@@ -86,9 +86,9 @@ namespace cvert { inline namespace CVERT_ISA
       memset(block+bytes,0,begin-bytes);
       const VertNumbers stored = { uint32_t(begin),0 };
       memcpy(block+vertHeaderBytes,&stored,sizeof(stored));
-      const VertTrianglePairs halves = { pattern,distance };
-      memcpy(block+begin,&halves,sizeof(halves));
-      return begin+sizeof(halves);
+      const VertTrianglePairs pairs = { pattern,distance };
+      memcpy(block+begin,&pairs,sizeof(pairs));
+      return begin+sizeof(pairs);
     }
 
     size_t writeTable (uint8_t* block, size_t bytes) const

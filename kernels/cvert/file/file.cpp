@@ -94,14 +94,14 @@ namespace cvert
       auto isPart = [&](uint64_t begin, uint64_t size, uint64_t after) {
         return begin % filePage == 0 && begin <= bytes && size <= bytes-begin && after <= bytes-begin-size;
       };
-      if (!isPart(g.tree,g.treeBytes,0)) failAt(i,"its tree is outside of the file");
-      if (!isPart(g.blocks,g.blockBytes,fileReadPast)) failAt(i,"its blocks are outside of the file");
-      if (const Reason reason = validateRecord(g)) failAt(i,reason.message());
+      if (!isPart(g.tree,g.treeBytes,0)) failDamaged(i,"its tree is outside of the file");
+      if (!isPart(g.blocks,g.blockBytes,fileReadPadding)) failDamaged(i,"its blocks are outside of the file");
+      if (const Reason reason = validateRecord(g)) failDamaged(i,reason.message());
     }
     return Reason();
   }
 
-  void File::failAt (size_t i, const std::string& why) const {
+  void File::failDamaged (size_t i, const std::string& why) const {
     throw Error(ErrorCode::DAMAGED,path + ": is damaged: geometry " + std::to_string(i) + ": " + why);
   }
 
@@ -113,7 +113,7 @@ namespace cvert
   {
     const FileGeometry& record = geometry(i);
     if (record.blocksChecksum != fileChecksum(blocks(i),size_t(record.blockBytes)))
-      failAt(i,"the checksum of its blocks differs");
+      failDamaged(i,"the checksum of its blocks differs");
     const Reason reason = forEachBlock(record,tree(i),[&](FileChild type, uint64_t offset) {
         if (type == FILE_FRAMED && !other) return;
         const char* const block = blocks(i)+offset;
@@ -122,8 +122,8 @@ namespace cvert
             : isMesh(type) ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
         if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
           reason = Reason::damaged("its surface number differs from its geometry's");
-        if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+        if (reason) failDamaged(i,"the block at " + std::to_string(offset) + ": " + reason.message());
       });
-    if (reason) failAt(i,reason.message());
+    if (reason) failDamaged(i,reason.message());
   }
 }

@@ -39,7 +39,7 @@ namespace cvert
     }
 
     /*! Throws Error: geometry i is damaged. */
-    [[noreturn]] void failAt (size_t i, const std::string& why) const;
+    [[noreturn]] void failDamaged (size_t i, const std::string& why) const;
 
     /*! Throws Error: this library does not support geometry i. */
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;

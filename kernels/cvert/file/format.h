@@ -26,7 +26,7 @@ namespace cvert
   static const uint64_t filePage = 4096;
 
   /*! Bytes after the blocks of a geometry, because decoders read past the end of a block. */
-  static const uint64_t fileReadPast = 64;
+  static const uint64_t fileReadPadding = 64;
 
   struct FileHeader
   {

@@ -18,7 +18,7 @@ namespace cvert
   Reason validateRecord (const FileGeometry& record);
 
   /*! Checks a cVERT block of at most `bytes` bytes, except for its surface number. Decoders of valid blocks read only
-   *  the block and readPastVert bytes after it, and report existing primitives. */
+   *  the block and vertReadPadding bytes after it, and report existing primitives. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
   /*! The same for a mesh block, static or moving. */

@@ -197,7 +197,11 @@ namespace cvert
     writeBlocks(surface);
     const uint64_t end = at;
     padTo(filePage);
-    if (at-end < fileReadPast) { const char zeros[fileReadPast] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
+    if (at-end < fileReadPadding) {
+      const char zeros[fileReadPadding] = {};
+      write(zeros,sizeof(zeros));
+      padTo(filePage);
+    }
     directory.push_back(record);
     vertVersion = std::max(vertVersion,surface.vertVersion);
     // starts writing to disk, so that the next checkpoint need not wait

@@ -42,7 +42,7 @@ CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
 /*! Number of bytes after a block that decoders may read. Owners of blocks must keep these bytes readable. */
-CVERT_CONSTANT uint32_t readPastVert = 16u;
+CVERT_CONSTANT uint32_t vertReadPadding = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
@@ -66,7 +66,7 @@ struct VertHeader
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the surface, see limits.h
   uint32_t primID;        //!< primitive of the patch, or base of the numbers of quads (quad_numbers.h)
-  uint32_t region;        //!< size of the block and position in its patch: see vertRegion
+  uint32_t region;        //!< size of the block and position in its patch: see packRegion
   uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
@@ -78,15 +78,15 @@ struct VertHeader
 CVERT_READABLE(VertHeader,16)
 
 /*! quadsX, quadsY: size of the block, 1 to 16. x, y: its first quad in the patch, multiples of vertBlockQuads. */
-CBVH_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+CBVH_FUNCTION uint32_t packRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
 CBVH_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
 CBVH_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
-CBVH_FUNCTION uint32_t vertY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertFirstX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertFirstY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
 
-CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
+CBVH_FUNCTION uint32_t packPatchQuads (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
 CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
 CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
@@ -102,7 +102,7 @@ CVERT_READABLE(VertEdges,4)
 
 CBVH_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
 
-CBVH_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
+CBVH_FUNCTION VertEdges packEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
                                     uint32_t cornerV)
 {
   VertEdges edges;
@@ -300,7 +300,7 @@ CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spa
 
 /*! Adds a remainder to a world coordinate, or returns the float that replaces both. word: contains the remainder in its
  *  lowest bits. bits: remainderBits, not 0. spacing: of the axis. */
-CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
+CBVH_FUNCTION float addRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
   return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
@@ -389,16 +389,16 @@ CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
  *  Requires a block with numbers. */
 CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
-  VertTrianglePairs halves;
-  halves.numbers = storedNumbersOf(block);
-  halves.distance = 1u;
+  VertTrianglePairs pairs;
+  pairs.numbers = storedNumbersOf(block);
+  pairs.distance = 1u;
   if (haveTrianglePairs(CVERT_AT(VertHeader,block).patchQuads)) {
-    uint32_t at = halves.numbers.x >> 2;
-    halves.numbers.x = wordAt(block,at);
-    halves.numbers.y = wordAt(block,at+1u);
-    halves.distance = wordAt(block,at+2u);
+    uint32_t at = pairs.numbers.x >> 2;
+    pairs.numbers.x = wordAt(block,at);
+    pairs.numbers.y = wordAt(block,at+1u);
+    pairs.distance = wordAt(block,at+2u);
   }
-  return halves;
+  return pairs;
 }
 
 CBVH_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
@@ -411,8 +411,8 @@ CBVH_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
  *  x and y, because hits of a damaged block may lie outside it. */
 CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
-  VertTrianglePairs halves = trianglePairsOf(block);
-  VertNumbers numbers = halves.numbers;
+  VertTrianglePairs pairs = trianglePairsOf(block);
+  VertNumbers numbers = pairs.numbers;
   uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
   uint32_t region = CVERT_AT(VertHeader,block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
@@ -435,7 +435,7 @@ CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, ui
     }
   }
   primitive.primID = first + number;
-  if (isTriangleForm(form) && !isSingleTriangleForm(form) && isSecond) primitive.primID += halves.distance;
+  if (isTriangleForm(form) && !isSingleTriangleForm(form) && isSecond) primitive.primID += pairs.distance;
   return primitive;
 }
 

@@ -253,8 +253,8 @@ CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uin
   uint32_t last = t + 2u*countBits(restarts & upTo);
   uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
   // last triangle up to t that did not keep the first vertex
-  uint32_t kept = highestBit((~fans | restarts) & upTo);
-  uint32_t first = kept + 2u*countBits(restarts & bitsUpTo(kept)) - 2u;
+  uint32_t lastUnfanned = highestBit((~fans | restarts) & upTo);
+  uint32_t first = lastUnfanned + 2u*countBits(restarts & bitsUpTo(lastUnfanned)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
   uint32_t a = (flips & 1u) != 0u ? last-1u : first, b = (flips & 1u) != 0u ? first : last-1u;
   StripTriangle triangle;

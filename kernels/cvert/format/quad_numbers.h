@@ -95,13 +95,13 @@ struct QuadPrimitive
 };
 
 /*! Parameters of a point on a primitive of the application. */
-struct OwnParameters { float u, v; };
+struct PrimitiveParameters { float u, v; };
 
 /*! Converts the position a, b in a quad to parameters of the quad or triangle that the application passed. form: see
  *  QuadPrimitive. */
-CBVH_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
+CBVH_FUNCTION PrimitiveParameters primitiveParameters (uint32_t form, bool isSecond, float a, float b)
 {
-  OwnParameters parameters;
+  PrimitiveParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleForm(form)) return parameters;

@@ -59,7 +59,7 @@ CVERT_REAL struct ShearedCoordinate
   Real size;  //!< bound of magnitudes for the rounding error of org, see shearedSlack
 };
 
-CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
+CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
 {
   CVERT_OF(ShearedCoordinate) sum;
   sum.org = sum.dir = sum.size = Real(0.0f);
@@ -89,7 +89,8 @@ CVERT_REAL struct RayInterval { Real from, to; };
 
 /*! Clips a ray to the space between two planes. lower, upper: planes relative to the ray's origin. rcp:
  *  directionReciprocal. */
-CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) interval, Real lower, Real upper, Real rcp)
+CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval) interval, Real lower, Real upper,
+                                                            Real rcp)
 {
   Real a = lower*rcp, b = upper*rcp;
   interval.from = greater(interval.from,lesser(a,b));
@@ -140,7 +141,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
 
 /*! True if no side rounded to 0: signs are exact for triangles that satisfy isInside. lesser and greater are nested
  *  differently, because compilers would otherwise generate a branch that is mispredicted. */
-CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sides)
+CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides) sides)
 {
   return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
                      greater(greater(sides.w0,sides.w1),sides.w2) < Real(0.0f)),
@@ -217,9 +218,9 @@ CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy isInside but not areCertain.
- *  A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line, which other
- *  triangles cover. */
+/*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy isInside, but not
+ *  haveExactSigns. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line,
+ *  which other triangles cover. */
 CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
@@ -258,25 +259,26 @@ CVERT_CONSTANT float minCosine = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
 {
-  Wide t;            //!< distance; infinite or NaN if the ray is parallel to the plane
-  Wide speed, least; //!< n d (normal times direction); up to which |n d| the ray counts as lying in the plane
+  Wide t;             //!< distance; infinite or NaN if the ray is parallel to the plane
+  Wide normalDotDir;
+  Wide parallelLimit; //!< the ray counts as lying in the plane if |normalDotDir| is at most this
 };
 
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_OF_WIDE(WideTriangle) triangle,
                                                               CVERT_OF_WIDE(WideNormal) normal, const Wide org[3],
                                                               const Wide dir[3])
 {
-  Wide height = Wide(0.0f), speed = Wide(0.0f), size = Wide(0.0f);
+  Wide height = Wide(0.0f), normalDotDir = Wide(0.0f), size = Wide(0.0f);
   for (int k=0; k<3; k++) {
     Wide along = product(normal.at[k],dir[k]);
-    speed = speed + along;
+    normalDotDir = normalDotDir + along;
     size = size + magnitude(along);
     height = height + product(normal.at[k],triangle.at[k][0] - org[k]);
   }
   CVERT_OF_WIDE(PlaneIntersection) at;
-  at.t = height/speed;
-  at.speed = speed;
-  at.least = Wide(minCosine)*size;
+  at.t = height/normalDotDir;
+  at.normalDotDir = normalDotDir;
+  at.parallelLimit = Wide(minCosine)*size;
   return at;
 }
 
@@ -303,11 +305,11 @@ CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide
  *  Otherwise the ray may be inside only because vertices are rounded. */
 CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneIntersection) at,
   CVERT_OF_WIDE(TriangleSpan) span) {
-  return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
+  return either(at.parallelLimit < magnitude(at.normalDotDir),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
 /*! Distance along the ray at which it is nearest to the triangle's longest edge. */
-CVERT_WIDE CBVH_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
+CVERT_WIDE CBVH_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
   Wide best = Wide(-1.0f), t = Wide(0.0f);
@@ -339,13 +341,13 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangl
 {
   CVERT_OF_WIDE(PlaneIntersection) at = intersectPlane(triangle,normal,org,dir);
   if (CVERT_LIKELY(isPlaneDecisive(at,span))) return clampToSpan(span,at.t);
-  Wide t = clampToSpan(span,alongLongestEdge(triangle,org,dir));
+  Wide t = clampToSpan(span,distanceAtLongestEdge(triangle,org,dir));
   return tnear <= span.farthest ? greater(t,tnear) : t;
 }
 
 /* --- nearest hit --------------------------------------------------------------------- */
 
-/* Results of placeOfHit. */
+/* Results of classifyHit. */
 CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
 CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
 CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
@@ -353,7 +355,7 @@ CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPreceden
 /*! Decides if a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit. isHitDistance:
  *  tfar is the distance of a cVERT hit. It has then been rounded to float, and the distance is compared as a float,
  *  too. */
-CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isHitDistance)
+CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
   uint32_t farther = isHitDistance ? (t == tfar ? hitIsTied : hitIsOutside)
@@ -419,11 +421,15 @@ CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real 
 }
 
 /* First quad, in the patch, of a group. lane: column + 4 row of the group in the block, its lane in SIMD code. */
-CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
-CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
+CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) {
+  return vertFirstX(region) + groupQuads*(lane & 3u);
+}
+CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) {
+  return vertFirstY(region) + groupQuads*(lane >> 2);
+}
 
 /*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
-CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
+CBVH_FUNCTION bool hasStitchedEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return vertRate(edges,0) != quadsX || vertRate(edges,1) != quadsY || vertRate(edges,2) != quadsX
@@ -432,7 +438,7 @@ CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 
 /*! True if quad (x,y) is next to an edge whose rate is lower than the patch has quads. The parameters of hits in such
  *  a quad are interpolated from those of its vertices. */
-CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
+CBVH_FUNCTION bool isAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return (y == 0u && vertRate(edges,0) != quadsX) || (x+1u == quadsX && vertRate(edges,1) != quadsY)
@@ -441,9 +447,9 @@ CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t
 
 struct FaceParameters { float u, v; };
 
-/*! Face parameters at position (a,b) of a quad for which isAtLowerEdge is true. Interpolates the vertices' parameters
- *  with barycentric weights, because Embree stitches vertices there. */
-CBVH_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
+/*! Face parameters at position (a,b) of a quad for which isAtStitchedEdge is true: those of its vertices, interpolated
+ *  with barycentric weights. */
+CBVH_FUNCTION FaceParameters parametersAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -478,7 +484,7 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
   uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
   QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
-  OwnParameters own = ownParameters(primitive.form,isSecond,clampParameter(at.a),clampParameter(at.b));
+  PrimitiveParameters own = primitiveParameters(primitive.form,isSecond,clampParameter(at.a),clampParameter(at.b));
   SurfacePoint point;
   point.primID = primitive.primID;
   point.u = own.u;
@@ -498,8 +504,8 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
   if (!CVERT_LIKELY(!hasEdges(CVERT_AT(VertHeader,block).boxForm)))
   {
     VertEdges edges = edgesOf(block);
-    if (isAtLowerEdge(patchQuads,edges,x,y)) {
-      FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,(h & 1u) != 0u,at.a,at.b);
+    if (isAtStitchedEdge(patchQuads,edges,x,y)) {
+      FaceParameters parameters = parametersAtStitchedEdge(patchQuads,edges,x,y,(h & 1u) != 0u,at.a,at.b);
       point.u = parameters.u;
       point.v = parameters.v;
       return point;

@@ -114,7 +114,7 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay
   }
   axes.sheared = m;
   axes.extent[m] = sheared*meshSpacing(block.spacings, uint(m));
-  ShearedCoordinate along = noShearedCoordinate();
+  ShearedCoordinate along = zeroShearedCoordinate();
   for (int k = 0; k < 3; k++)
     along = addSheared(along, ray.org[k], ray.dir[k], block.origin[k], axes.extent[k], shears[k]);
   axes.org = along.org;
@@ -145,7 +145,7 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
   }
   if (isSheared) from = axes.org;
   float wide = isSheared ? axes.error : boxSlack(ray.org[k], block.origin[k], reach);
-  return clipped(interval, (planes.lower - from) - wide, (planes.upper - from) + wide,
+  return clipInterval(interval, (planes.lower - from) - wide, (planes.upper - from) + wide,
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 

@@ -45,7 +45,7 @@ float cbvhShearOf (uint boxForm, int k)
 
 CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)
 {
-  ShearedCoordinate along = noShearedCoordinate();
+  ShearedCoordinate along = zeroShearedCoordinate();
   for (int k = 0; k < 3; k++)
     along = addSheared(along, ray.org[k], ray.dir[k], origin[k], extent, cbvhShearOf(boxForm, k));
   return CbvhVertAxes(boxForm, origin, extent, along.org, directionReciprocal(along.dir, vert.largest),
@@ -64,10 +64,11 @@ bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes a
   for (int i = 0; i < 2; i++) {
     int k = axisAfter(m, 1 + i);
     float from = axes.origin[k] - ray.org[k], wide = cbvhSlack(axes, ray, k) + slack[k];
-    interval = clipped(interval, from - wide, (from + reach.upper[i]) + wide, vert.rcp[k]);
+    interval = clipInterval(interval, from - wide, (from + reach.upper[i]) + wide, vert.rcp[k]);
   }
   float wide = axes.error + slack[m];
-  interval = clipped(interval, (reach.sheared[0] - axes.org) - wide, (reach.sheared[1] - axes.org) + wide, axes.rcp);
+  interval = clipInterval(interval, (reach.sheared[0] - axes.org) - wide, (reach.sheared[1] - axes.org) + wide,
+    axes.rcp);
   return interval.from <= interval.to;
 }
 
@@ -77,7 +78,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, Cbvh
 {
   bool isSheared = k == shearedAxis(axes.boxForm);
   float from = isSheared ? axes.org : ray.org[k], error = isSheared ? axes.error : cbvhSlack(axes, ray, k);
-  return clipped(interval, (planes.lower - from) - error, (planes.upper - from) + error,
+  return clipInterval(interval, (planes.lower - from) - error, (planes.upper - from) + error,
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
@@ -104,7 +105,8 @@ bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertR
     float highest = block.first.origin[k];
     for (uint i = 0u; i < block.groups; i++) highest = max(highest, rawPlanesOfGroup(block.at, offsets, i, k).upper);
     float slack = boxSlack(ray.org[k], block.first.origin[k], highest - block.first.origin[k]);
-    interval = clipped(interval, (planes.lower - ray.org[k]) - slack, (planes.upper - ray.org[k]) + slack, vert.rcp[k]);
+    interval = clipInterval(interval, (planes.lower - ray.org[k]) - slack, (planes.upper - ray.org[k]) + slack,
+      vert.rcp[k]);
   }
   return interval.from <= interval.to;
 }

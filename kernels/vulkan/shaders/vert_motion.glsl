@@ -74,7 +74,7 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
       if (isRotated && field >= 0)
-        corner += rotatedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
+        corner += rotateResidual(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
   }
@@ -108,7 +108,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       else {
         ivec3 vertex = vertexOfCell(step_.data, cell, i, j);
         if (isRotated && field >= 0)
-          vertex += rotatedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
+          vertex += rotateResidual(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
       if (e == 0) cbvhVerticesNow[v] = at;

@@ -78,7 +78,7 @@ bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec
 {
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   at.sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
-  if (!areCertain(at.sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
+  if (!haveExactSigns(at.sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
 
   WideTriangle triangle = cbvhWideTriangle(a, b, c);
   WideNormal normal = normalOf(triangle);
@@ -87,8 +87,8 @@ bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec
   for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
-  uint place = placeOfHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
-  if (place == hitIsOutside || (place == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
+  uint result = classifyHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
+  if (result == hitIsOutside || (result == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
 
   at.t = float(exact);
   at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);

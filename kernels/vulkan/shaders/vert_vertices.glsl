@@ -66,7 +66,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
                  latticeVertex(step_, 2, coordinates.z));
   if (step_.remainders == 0u) return at;
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
-  for (int k = 0; k < 3; k++) at[k] = withRemainder(step_, vertex, k, at[k]);
+  for (int k = 0; k < 3; k++) at[k] = addRemainder(step_, vertex, k, at[k]);
   return at;
 }
 
