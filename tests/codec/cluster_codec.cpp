@@ -45,7 +45,7 @@ struct Grid
 
 bool place(const Grid& grid, LatticePoints& points)
 {
-  return points.place(grid.points(), grid.width, grid.width, grid.height);
+  return points.set(grid.points(), grid.width, grid.width, grid.height);
 }
 
 TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo)

@@ -298,7 +298,7 @@ std::vector<Cluster> clustersOf(std::vector<MeshCenter> centers, uint32_t groupT
   const std::vector<MeshCenter> boxes = centers;
   std::vector<Cluster> found;
   MeshClusters clusters(groupTriangles);
-  clusters.cut(centers.data(), centers.size(),
+  clusters.split(centers.data(), centers.size(),
     [&](uint32_t i, float lower[3], float upper[3]) {
       for (int k = 0; k < 3; k++) { lower[k] = boxes[i].at[k] - 0.5f*size; upper[k] = boxes[i].at[k] + 0.5f*size; }
     },

@@ -382,7 +382,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
       numbers.turns.push_back(uint8_t(quad.turns));
     }
     NumbersEncoder encoder;
-    encoder.set(numbers, 16, 2, 4, 16);
+    encoder.choosePattern(numbers, 16, 2, 4, 16);
     alignas(16) uint8_t bytes[NumbersEncoder::maxBytes + 128] = {};
     VertHeader& header = *(VertHeader*)bytes;
     header.region = packRegion(4, 16, 16, 0);

@@ -89,7 +89,7 @@ namespace embree
       template<typename Writer>
       void write (cbvh::MeshClusters& clusters, const range<size_t>& part, const std::unique_ptr<Writer>& writer)
       {
-        clusters.cut(triangles.centers.data()+part.begin(),part.size(),boundsOf(),
+        clusters.split(triangles.centers.data()+part.begin(),part.size(),boundsOf(),
           [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
@@ -101,8 +101,9 @@ namespace embree
         parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
             cbvh::MeshClusters clusters(group);
             for (size_t i=r.begin(); i!=r.end(); i++)
-              if (parts[i].size() > cbvh::MeshClusters::partTriangles)
-                halves[i] = clusters.divide(triangles.centers.data()+parts[i].begin(),parts[i].size(),boundsOf(),depth);
+              if (parts[i].size() > cbvh::MeshClusters::batchTriangles)
+                halves[i] = clusters.splitOnce(triangles.centers.data()+parts[i].begin(),parts[i].size(),boundsOf(),
+                                               depth);
           });
         std::vector<range<size_t>> next;
         for (size_t i=0; i<parts.size(); i++) {

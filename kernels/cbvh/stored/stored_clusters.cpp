@@ -61,7 +61,7 @@ namespace embree
 
         /*! Finds the lattice of a rectangle's vertices. Returns false if their positions fit no lattice. */
         bool place (LatticePoints& points, const QuadRectangle& rect) const {
-          return points.place(part->vertices + 3*(size_t(rect.y)*part->width + rect.x),part->width,
+          return points.set(part->vertices + 3*(size_t(rect.y)*part->width + rect.x),part->width,
                               rect.width+1,rect.height+1);
         }
 

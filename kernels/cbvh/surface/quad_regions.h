@@ -226,7 +226,7 @@ namespace embree
       const QuadRegions::Region& r = meshRegions.regions[region];
       const unsigned side = cbvh::vertBlockQuads;
       numberRegion(quads,meshRegions,region,numbers);
-      encoder.set(numbers,0,0,min(r.width,side),min(r.height,side));
+      encoder.choosePattern(numbers,0,0,min(r.width,side),min(r.height,side));
       if (!cbvh::haveTable(encoder.form)) return 0;
       return size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
     }

@@ -179,7 +179,7 @@ namespace embree
       cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
-        numbers.set(*patch.numbers,x,y,w,h);
+        numbers.choosePattern(*patch.numbers,x,y,w,h);
         return cbvh::VertPlacement(cbvh::packRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 

@@ -28,7 +28,7 @@ namespace cvert
 
     /*! Converts columns x rows vertices. stride: vertices per row of the input. Returns false if the formats cannot
      *  represent the vertices without rounding. */
-    bool place (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
+    bool set (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
       int lowest = maxExponent;
@@ -48,7 +48,7 @@ namespace cvert
       for (uint32_t y=0; y<rows; y++)
         for (uint32_t x=0; x<columns; x++)
           for (int k=0; k<3; k++)
-            if (!locate(vertices[3*(size_t(y)*stride + x) + k],lowest,isPresent[y*width+x],at[y*width+x][k]))
+            if (!convert(vertices[3*(size_t(y)*stride + x) + k],lowest,isPresent[y*width+x],at[y*width+x][k]))
               return false;
       return true;
     }
@@ -77,7 +77,7 @@ namespace cvert
       int lowestBit () const { return exponent + __builtin_ctz(mantissa); }
     };
 
-    static bool locate (float x, int spacing, bool isPresent, int32_t& out)
+    static bool convert (float x, int spacing, bool isPresent, int32_t& out)
     {
       out = 0;
       const Parts parts(x);

@@ -52,7 +52,7 @@ namespace cvert { inline namespace CVERT_ISA
       bound();
       if (!allFinite) statistics.invalidQuads += countInvalidQuads();
       if (!anyFinite()) return 0;
-      const bool packed = allFinite && measure() && pack(at,at.form(),block,[](int, const CellEncoder&) {});
+      const bool packed = allFinite && chooseSpacings() && pack(at,at.form(),block,[](int, const CellEncoder&) {});
       if (packed) {
         VertHeader& header = *(VertHeader*)block;
         boxes.begin(*this);
@@ -70,15 +70,15 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   protected:
-    /*! Writes everything but boxes. Requires measure(). Returns false if a raw block is smaller. Calls onCell(g,cell)
-     *  before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, and then calls
-     *  onCell again for all cells. */
+    /*! Writes everything but boxes. Requires chooseSpacings(). Returns false if a raw block is smaller. Calls
+     *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, and
+     *  then calls onCell again for all cells. */
     template<typename OnCell>
     bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
     {
       for (bool isBalanced=false; ; )
       {
-        place();
+        computeCoordinates();
         VertHeader& header = begin(at,form | uint32_t(hasRemainders()) << 24,block);
         if (!packCells(header,block,onCell)) {
           if (!coarsen(cell.excess)) return false;

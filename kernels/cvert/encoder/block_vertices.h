@@ -4,7 +4,7 @@
 #pragma once
 
 /* Vertices of a cVERT block at a time step, converted to coordinates and remainders of format/block.h. Encoders call
- * bound(), measure() and place(), in this order.
+ * bound(), chooseSpacings() and computeCoordinates(), in this order.
  *
  * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least a lattice's
  * spacing, or the last bit of a float. If the block's spacing, also a power of two, is larger than the step, vertices
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
     /*! Finds the steps and smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
-    bool measure ()
+    bool chooseSpacings ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
       int size = minSpacingExponent; // exponent of a power of two above all extents
@@ -95,7 +95,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Computes origin, coordinates and remainders for the current spacings. */
-    void place ()
+    void computeCoordinates ()
     {
       for (int k=0; k<3; k++) {
         const double unit = std::ldexp(1.0,-exponent[k]);
@@ -111,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
         truncated((p.z-Float4(origin[2]))*units[2]).store(coordinates[2]+i);
       }
       for (int k=0; k<3; k++)
-        if (remainderBits[k] != 0) placeWithRemainders(k);
+        if (remainderBits[k] != 0) computeWithRemainders(k);
     }
 
     /*! Copies an axis of a cell's 5 x 5 vertices, padded with the last one. step: quads between them. Repeats the last
@@ -271,7 +271,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    void placeWithRemainders (int k)
+    void computeWithRemainders (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit,
         remainderUnits = std::ldexp(1.0,int(remainderBits[k]));

@@ -31,13 +31,13 @@ namespace cvert { inline namespace CVERT_ISA
       const Group group(block,g % groupsX,g / groupsX);
       for (uint32_t k=0; k<3; k++)
       {
-        const bool isSheared = k == shear.axis && !shear.isStraight();
+        const bool isSheared = k == shear.axis && !shear.isZero();
         const Heights& h = heights[end];
         const int* const values = isSheared ? h.at : block.coordinates[k];
         const Span span = group.span(values), corners = group.corners(values);
         const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
-        margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower+h.below,h.shift) : lower);
-        margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift)
+        margins[0][k][g] = std::max(margins[0][k][g],isSheared ? ceilShift(lower+h.below,h.shift) : lower);
+        margins[1][k][g] = std::max(margins[1][k][g],isSheared ? ceilShift(upper+h.above,h.shift)
                                                                : upper + remainder(block,k));
       }
     }
@@ -67,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t k = (shear.axis+1+i)%3;
         bounds[i] = spanOf(block.coordinates[k],block.numVertices()).upper + remainder(block,k);
       }
-      if (shear.isStraight()) {
+      if (shear.isZero()) {
         const Span h = spanOf(block.coordinates[shear.axis],block.numVertices());
         bounds[2] = h.lower;
         bounds[3] = h.upper + remainder(block,shear.axis);
@@ -75,13 +75,13 @@ namespace cvert { inline namespace CVERT_ISA
       else {
         const Span h = spanOf(sheared.at,block.numVertices());
         bounds[2] = (h.lower-sheared.below) >> sheared.shift; // rounds down
-        bounds[3] = stepsUp(h.upper+sheared.above,sheared.shift);
+        bounds[3] = ceilShift(h.upper+sheared.above,sheared.shift);
       }
       shift = 0;
-      while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128
-             || stepsUp(bounds[3],shift) > 127) shift++;
-      return uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
-           | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
+      while (ceilShift(bounds[0],shift) > 255 || ceilShift(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128
+             || ceilShift(bounds[3],shift) > 127) shift++;
+      return uint32_t(ceilShift(bounds[0],shift)) | uint32_t(ceilShift(bounds[1],shift)) << 8
+           | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(ceilShift(bounds[3],shift)) & 255u) << 24;
     }
 
   private:
@@ -90,7 +90,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t axis = 0;
       int slopes[2] = { 0,0 };  //!< along the next two axes, in 1/16
 
-      bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
+      bool isZero () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
 
     /*! Sheared coordinates without remainders, in multiples of 2^-shift spacings of the sheared axis. */
@@ -200,25 +200,25 @@ namespace cvert { inline namespace CVERT_ISA
     {
       double n[3] = { 0,0,0 };
       for (uint32_t e=0; e<numEnds; e++) addNormals(*ends[e],n);
-      Shear straight;
+      Shear unsheared;
       const double x = std::fabs(n[0]), y = std::fabs(n[1]), z = std::fabs(n[2]);
-      straight.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-      const uint32_t m = straight.axis;
-      if (n[m] == 0) return straight;
-      Shear shear = straight;
+      unsheared.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+      const uint32_t m = unsheared.axis;
+      if (n[m] == 0) return unsheared;
+      Shear shear = unsheared;
       for (uint32_t i=0; i<2; i++) {
         const double slope = std::floor(16*n[(m+1+i)%3]/n[m] + 0.5);
         shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
       }
-      if (shear.isStraight()) return straight;
-      double sheared = 0, upright = 0; // sums of world-space thicknesses
+      if (shear.isZero()) return unsheared;
+      double sheared = 0, unshearedSum = 0; // sums of world-space thicknesses
       for (uint32_t e=0; e<numEnds; e++) {
         const BlockVertices& block = *ends[e];
-        if (!heights[e].set(block,shear)) return straight;
+        if (!heights[e].set(block,shear)) return unsheared;
         sheared += std::ldexp(double(thickness(block,heights[e].at)),block.exponent[m]-int(heights[e].shift));
-        upright += std::ldexp(double(thickness(block,block.coordinates[m])),block.exponent[m]);
+        unshearedSum += std::ldexp(double(thickness(block,block.coordinates[m])),block.exponent[m]);
       }
-      return sheared < upright ? shear : straight;
+      return sheared < unshearedSum ? shear : unsheared;
     }
 
     /*! Adds a multiple of the quads' mean normal: twice the area that the block's outline encloses, per axis. */
@@ -257,14 +257,14 @@ namespace cvert { inline namespace CVERT_ISA
       int largest = 0;
       for (uint32_t g=0; g<groups; g++) largest = std::max(largest,std::max(lowerMargins[g],upperMargins[g]));
       uint32_t shift = 0;
-      while (stepsUp(largest,shift) > int(maxMargin)) shift++;
+      while (ceilShift(largest,shift) > int(maxMargin)) shift++;
       for (uint32_t g=0; g<groups; g++)
-        out[g] = uint8_t(stepsUp(lowerMargins[g],shift) | stepsUp(upperMargins[g],shift) << 4);
+        out[g] = uint8_t(ceilShift(lowerMargins[g],shift) | ceilShift(upperMargins[g],shift) << 4);
       return shift;
     }
 
     /*! Number of steps of 2^shift, rounded up. */
-    static int stepsUp (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
+    static int ceilShift (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
 
     const BlockVertices* ends[2];
     uint32_t numEnds, groupsX, groups;

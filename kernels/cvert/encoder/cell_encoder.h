@@ -18,7 +18,7 @@ namespace cvert { inline namespace CVERT_ISA
   /*! cellVertices, padded to whole vectors. */
   static const int paddedVertices = 28;
 
-  /*! Set `vertices`, then call predict(), encode() or encodeNoise(), and write(). */
+  /*! Set `vertices`, then call predict(), encode() or encodeWithoutSlopes(), and write(). */
   class CellEncoder
   {
   public:
@@ -66,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! encode() without main axis and slopes, for differences that remain after the prediction from another step. */
-    bool encodeNoise ()
+    bool encodeWithoutSlopes ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
       if (!fits(bits,0)) return false;
@@ -77,7 +77,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t word; //!< word of the cell, see format/cell.h
     int excess[3]; //!< by axis: bits above maxResidualBits if encode fails
 
-    /*! Writes the fields, after encode() or encodeNoise(). Returns their end. */
+    /*! Writes the fields, after encode() or encodeWithoutSlopes(). Returns their end. */
     uint8_t* write (uint8_t* out) const
     {
       const int main = cellMainAxis(word), sum = cellFieldBits(word);

@@ -56,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (lattice.numExceptions() > 0) refineUntilNoneFlips(mesh,centers);
       report.finerVertices = lattice.numExceptions();
       MeshClusters clusters(settings.groupTriangles);
-      clusters.cut(centers.data(),centers.size(),
+      clusters.split(centers.data(),centers.size(),
         [&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
         [&](const MeshCenter* cluster, const MeshGroups& groups) {
           encodeCluster(mesh,cluster,groups,report.statistics,onBlock);

@@ -39,46 +39,47 @@ namespace cvert { inline namespace CVERT_ISA
     /*! groupTriangles: triangles of a full group, a power of two up to maxGroupTriangles. */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
-        part(new Part) {}
+        batch(new Batch) {}
 
-    /*! cut() applies divide() to larger parts. Threads can cut both halves concurrently, each with its own object. */
-    static const size_t partTriangles = 4096;
+    /*! split() applies splitOnce() to larger parts. Threads can split both results concurrently, each with its own
+     *  object. */
+    static const size_t batchTriangles = 4096;
 
     /*! Reorders triangles and calls onCluster(triangles,groups) for each cluster, in order. boundsOf(index,lower,upper)
-     *  sets the bounds of a triangle. depth: number of divisions by divide() that lead to these triangles. */
+     *  sets the bounds of a triangle. depth: number of divisions by splitOnce() that lead to these triangles. */
     template<typename BoundsOf, typename OnCluster>
-    void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
+    void split (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
       uint32_t depth = 0)
     {
-      if (count > partTriangles)
+      if (count > batchTriangles)
       {
-        const size_t left = divide(triangles,count,boundsOf,depth);
-        cut(triangles,left,boundsOf,onCluster,depth+1);
-        cut(triangles+left,count-left,boundsOf,onCluster,depth+1);
+        const size_t left = splitOnce(triangles,count,boundsOf,depth);
+        split(triangles,left,boundsOf,onCluster,depth+1);
+        split(triangles+left,count-left,boundsOf,onCluster,depth+1);
         return;
       }
       load(triangles,count,1,boundsOf);
-      cutBins(0,count,[&](size_t first, uint32_t begin, uint32_t end, const MeshGroups& groups) {
+      splitBinned(0,count,[&](size_t first, uint32_t begin, uint32_t end, const MeshGroups& groups) {
           for (uint32_t i=begin; i<end; i++)
-            triangles[first+i] = part->centers[part->items[first+part->order[0][i]].index()];
+            triangles[first+i] = batch->centers[batch->items[first+batch->order[0][i]].index()];
           onCluster(triangles+first+begin,groups);
         });
     }
 
-    /*! Reorders more than partTriangles triangles into two parts. Returns the size of the first. */
+    /*! Reorders more than batchTriangles triangles into two parts. Returns the size of the first. */
     template<typename BoundsOf>
-    size_t divide (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, uint32_t depth)
+    size_t splitOnce (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, uint32_t depth)
     {
       const size_t step = count/samples;
-      const Grid grid = load(triangles,(count+step-1)/step,step,boundsOf);
-      const BinCut cut = chooseBins(0,(count+step-1)/step,step);
-      if (depth < maxUnbalancedDepth && cut.isPresent) {
-        const int k = cut.axis;
-        const float end = grid.positionOf(cut.begin,k);
-        const size_t left = moveToFront(triangles,count,[=](const MeshCenter& c) { return c.at[k] < end; });
+      const Quantizer quantizer = load(triangles,(count+step-1)/step,step,boundsOf);
+      const BinSplit split = chooseBinSplit(0,(count+step-1)/step,step);
+      if (depth < maxUnbalancedDepth && split.isPresent) {
+        const int k = split.axis;
+        const float end = quantizer.positionOf(split.begin,k);
+        const size_t left = partition(triangles,count,[=](const MeshCenter& c) { return c.at[k] < end; });
         if (left != 0 && left != count) return left;
       }
-      const int k = grid.longest;
+      const int k = quantizer.longest;
       std::nth_element(triangles,triangles+count/2,triangles+count,
         [k](const MeshCenter& a, const MeshCenter& b) { return a.at[k] < b.at[k]; });
       return count/2;
@@ -87,16 +88,16 @@ namespace cvert { inline namespace CVERT_ISA
     const uint32_t groupTriangles, clusterTriangles;
 
   private:
-    static const size_t samples = 256;              //!< divide() samples at least this many triangles
-    static const uint32_t maxUnbalancedDepth = 64;  //!< divide() halves deeper parts, to limit the recursion
+    static const size_t samples = 256;              //!< splitOnce() samples at least this many triangles
+    static const uint32_t maxUnbalancedDepth = 64;  //!< splitOnce() halves deeper parts, to limit the recursion
     static const uint32_t bins = 32;                //!< per axis
     static const size_t sortedItems = 512;          //!< parts of up to this many triangles are sorted instead of binned
 
-    /*! Bounds in positions of Grid. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum
-     *  extends both. */
+    /*! Bounds in positions of a Quantizer. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a
+     *  minimum extends both. */
     typedef uint16_t Lanes __attribute__((vector_size(16)));
 
-    /*! A triangle. Lane 3: index in Part::centers; 7: 1 on the right side of a division, see divideSorted. */
+    /*! A triangle. Lane 3: index in Batch::centers; 7: 1 on the right side of a division, see splitSortedOnce. */
     struct Item
     {
       Lanes lanes;
@@ -122,10 +123,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
     };
 
-    struct Part
+    struct Batch
     {
-      Item items[partTriangles];
-      MeshCenter centers[partTriangles];
+      Item items[batchTriangles];
+      MeshCenter centers[batchTriangles];
       /* For up to sortedItems consecutive items. Items are numbered from the first of them. */
       uint16_t order[3][sortedItems]; //!< items sorted by center on each axis
       uint16_t spare[sortedItems];    //!< temporary, for sorting
@@ -134,7 +135,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Converts world coordinates to positions of 16 bits. The centers of all items lie from 8192 to 8192 + 49152; the
      *  bounds of triangles outside of this range are clamped. */
-    struct Grid
+    struct Quantizer
     {
       float lower[3], scale;
       int longest;
@@ -144,44 +145,45 @@ namespace cvert { inline namespace CVERT_ISA
       float positionOf (uint32_t center, int k) const { return lower[k] + (0.5f*float(center) - 8192.0f)/scale; }
     };
 
-    /*! Loads every step-th triangle into `part`. */
+    /*! Loads every step-th triangle into `batch`. */
     template<typename BoundsOf>
-    Grid load (const MeshCenter* triangles, size_t count, size_t step, const BoundsOf& boundsOf)
+    Quantizer load (const MeshCenter* triangles, size_t count, size_t step, const BoundsOf& boundsOf)
     {
-      Grid grid;
+      Quantizer quantizer;
       float upper[3] = { -INFINITY,-INFINITY,-INFINITY };
-      std::fill(grid.lower,grid.lower+3,INFINITY);
+      std::fill(quantizer.lower,quantizer.lower+3,INFINITY);
       for (size_t i=0; i<count; i++) {
-        part->centers[i] = triangles[i*step];
+        batch->centers[i] = triangles[i*step];
         for (int k=0; k<3; k++) {
-          grid.lower[k] = std::min(grid.lower[k],part->centers[i].at[k]);
-          upper[k] = std::max(upper[k],part->centers[i].at[k]);
+          quantizer.lower[k] = std::min(quantizer.lower[k],batch->centers[i].at[k]);
+          upper[k] = std::max(upper[k],batch->centers[i].at[k]);
         }
       }
-      grid.longest = 0;
+      quantizer.longest = 0;
+      int& longest = quantizer.longest;
       for (int k=1; k<3; k++)
-        if (upper[k]-grid.lower[k] > upper[grid.longest]-grid.lower[grid.longest]) grid.longest = k;
+        if (upper[k]-quantizer.lower[k] > upper[longest]-quantizer.lower[longest]) longest = k;
       // 3/4 of the positions: triangles extend beyond their centers' bounds
-      grid.scale = 49152.0f/std::max(upper[grid.longest]-grid.lower[grid.longest],1e-30f);
+      quantizer.scale = 49152.0f/std::max(upper[longest]-quantizer.lower[longest],1e-30f);
       for (size_t i=0; i<count; i++)
       {
         float l[3], u[3];
-        boundsOf(part->centers[i].index,l,u);
+        boundsOf(batch->centers[i].index,l,u);
         uint16_t at[8] = {};
         for (int k=0; k<3; k++) {
-          at[k] = grid.at(l[k],k);
-          at[4+k] = uint16_t(65535-grid.at(u[k],k));
+          at[k] = quantizer.at(l[k],k);
+          at[4+k] = uint16_t(65535-quantizer.at(u[k],k));
         }
         at[3] = uint16_t(i);
-        std::memcpy(&part->items[i].lanes,at,sizeof(at));
+        std::memcpy(&batch->items[i].lanes,at,sizeof(at));
       }
-      return grid;
+      return quantizer;
     }
 
     /* --- many items --- */
 
     /*! Items whose center on the axis is below `begin` become the left part. */
-    struct BinCut
+    struct BinSplit
     {
       bool isPresent;
       int axis;
@@ -189,9 +191,9 @@ namespace cvert { inline namespace CVERT_ISA
     };
 
     /*! Finds the division at a border of bins with the least cost. perItem: triangles that an item represents. */
-    BinCut chooseBins (size_t first, size_t count, size_t perItem)
+    BinSplit chooseBinSplit (size_t first, size_t count, size_t perItem)
     {
-      Item* const items = part->items+first;
+      Item* const items = batch->items+first;
       uint32_t least[3] = { ~0u,~0u,~0u }, most[3] = { 0,0,0 }, shifts[3] = { 0,0,0 };
       for (size_t i=0; i<count; i++)
         for (int k=0; k<3; k++) {
@@ -209,7 +211,7 @@ namespace cvert { inline namespace CVERT_ISA
           counts[k][bin]++;
           bounds[k][bin].extend(items[i].lanes);
         }
-      BinCut best = { false,0,0 };
+      BinSplit best = { false,0,0 };
       uint64_t lowest = ~uint64_t(0);
       for (int k=0; k<3; k++)
       {
@@ -236,7 +238,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Moves the items that isLeft accepts to the front, and returns their number. */
     template<typename T, typename IsLeft>
-    static size_t moveToFront (T* items, size_t count, const IsLeft& isLeft)
+    static size_t partition (T* items, size_t count, const IsLeft& isLeft)
     {
       // without branches, which would be mispredicted
       T* to = items;
@@ -250,93 +252,93 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! first: first item of the part. onCluster(first,begin,end,groups): the items of the cluster are those from begin
-     *  to end in part->order. */
+     *  to end in batch->order. */
     template<typename OnCluster>
-    void cutBins (size_t first, size_t count, const OnCluster& onCluster)
+    void splitBinned (size_t first, size_t count, const OnCluster& onCluster)
     {
       if (count <= sortedItems) {
-        if (count > 0) cutSorted(first,uint32_t(count),onCluster);
+        if (count > 0) splitSorted(first,uint32_t(count),onCluster);
         return;
       }
-      const BinCut cut = chooseBins(first,count,1);
-      const size_t left = cut.isPresent ? moveToFront(part->items+first,count,
-        [=](const Item& item) { return item.center(cut.axis) < cut.begin; }) : count/2;
-      cutBins(first,left,onCluster);
-      cutBins(first+left,count-left,onCluster);
+      const BinSplit split = chooseBinSplit(first,count,1);
+      const size_t left = split.isPresent ? partition(batch->items+first,count,
+        [=](const Item& item) { return item.center(split.axis) < split.begin; }) : count/2;
+      splitBinned(first,left,onCluster);
+      splitBinned(first+left,count-left,onCluster);
     }
 
     /* --- few items --- */
 
     template<typename OnCluster>
-    void cutSorted (size_t first, uint32_t count, const OnCluster& onCluster)
+    void splitSorted (size_t first, uint32_t count, const OnCluster& onCluster)
     {
       for (int k=0; k<3; k++) sort(first,count,k);
-      cutSorted(first,0,count,onCluster);
+      splitSorted(first,0,count,onCluster);
     }
 
-    /*! first: first item of the sorted part. begin, end: positions in part->order. */
+    /*! first: first item of the sorted part. begin, end: positions in batch->order. */
     template<typename OnCluster>
-    void cutSorted (size_t first, uint32_t begin, uint32_t end, const OnCluster& onCluster)
+    void splitSorted (size_t first, uint32_t begin, uint32_t end, const OnCluster& onCluster)
     {
       if (end-begin <= clusterTriangles) {
         MeshGroups groups;
-        cutGroups(first,begin,end,begin,maxMeshGroups,groups);
+        splitGroups(first,begin,end,begin,maxMeshGroups,groups);
         onCluster(first,begin,end,groups);
         return;
       }
-      const uint32_t middle = begin + divideSorted(first,begin,end,clusterTriangles,~0u);
-      cutSorted(first,begin,middle,onCluster);
-      cutSorted(first,middle,end,onCluster);
+      const uint32_t middle = begin + splitSortedOnce(first,begin,end,clusterTriangles,~0u);
+      splitSorted(first,begin,middle,onCluster);
+      splitSorted(first,middle,end,onCluster);
     }
 
     /*! Divides a cluster into groups. cluster: position at which the cluster begins. most: maximum number of groups. */
-    void cutGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
+    void splitGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
     {
       const uint32_t count = end-begin;
       if (count <= groupTriangles) { groups.add(end-cluster); return; }
-      const uint32_t left = divideSorted(first,begin,end,groupTriangles,most), right = count-left;
+      const uint32_t left = splitSortedOnce(first,begin,end,groupTriangles,most), right = count-left;
       const uint32_t leftUnits = unitsFor(left,groupTriangles), spare = most-leftUnits-unitsFor(right,groupTriangles);
       const uint32_t mostOfLeft = leftUnits + spare*left/count;
-      cutGroups(first,begin,begin+left,cluster,mostOfLeft,groups);
-      cutGroups(first,begin+left,end,cluster,most-mostOfLeft,groups);
+      splitGroups(first,begin,begin+left,cluster,mostOfLeft,groups);
+      splitGroups(first,begin+left,end,cluster,most-mostOfLeft,groups);
     }
 
-    /*! Divides into two parts that need at most `most` units of `unit` triangles together. Sorts part->order so that
+    /*! Divides into two parts that need at most `most` units of `unit` triangles together. Sorts batch->order so that
      *  the left part comes first on each axis. Returns the size of the left part. */
-    uint32_t divideSorted (size_t first, uint32_t begin, uint32_t end, uint32_t unit, uint32_t most)
+    uint32_t splitSortedOnce (size_t first, uint32_t begin, uint32_t end, uint32_t unit, uint32_t most)
     {
-      Item* const items = part->items+first;
+      Item* const items = batch->items+first;
       const uint32_t count = end-begin;
       uint64_t lowest = ~uint64_t(0);
       uint32_t left = 0;
       int axis = 0;
       for (int k=0; k<3; k++)
       {
-        const uint16_t* const order = part->order[k]+begin;
+        const uint16_t* const order = batch->order[k]+begin;
         Bounds before, after;
-        for (uint32_t i=count-1; i>0; i--) { after.extend(items[order[i]].lanes); part->areas[i] = after.area(); }
+        for (uint32_t i=count-1; i>0; i--) { after.extend(items[order[i]].lanes); batch->areas[i] = after.area(); }
         for (uint32_t i=1; i<count; i++)
         {
           before.extend(items[order[i-1]].lanes);
           const uint32_t units = unitsFor(i,unit), others = unitsFor(count-i,unit);
           if (units+others > most) continue;
-          const uint64_t cost = before.area()*units + part->areas[i]*others;
+          const uint64_t cost = before.area()*units + batch->areas[i]*others;
           if (cost < lowest) { lowest = cost; left = i; axis = k; }
         }
       }
-      for (uint32_t i=0; i<count; i++) items[part->order[axis][begin+i]].lanes[7] = i >= left;
+      for (uint32_t i=0; i<count; i++) items[batch->order[axis][begin+i]].lanes[7] = i >= left;
       for (int k=0; k<3; k++)
       {
         if (k == axis) continue;
-        uint16_t* const order = part->order[k]+begin;
+        uint16_t* const order = batch->order[k]+begin;
         uint32_t numLeft = 0, numRight = 0;
         for (uint32_t i=0; i<count; i++) {
           const uint16_t item = order[i], isRight = items[item].lanes[7];
-          order[numLeft] = part->spare[numRight] = item;
+          order[numLeft] = batch->spare[numRight] = item;
           numLeft += 1-isRight;
           numRight += isRight;
         }
-        std::copy_n(part->spare,numRight,order+numLeft);
+        std::copy_n(batch->spare,numRight,order+numLeft);
       }
       return left;
     }
@@ -344,7 +346,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Radix sort of centers on axis k: first by the lower 9 bits, then by the upper 8 bits. */
     void sort (size_t first, uint32_t count, int k)
     {
-      const Item* const items = part->items+first;
+      const Item* const items = batch->items+first;
       uint16_t lower[512] = {}, upper[256] = {}, sumLower = 0, sumUpper = 0;
       for (uint32_t i=0; i<count; i++) {
         const uint32_t c = items[i].center(k);
@@ -353,11 +355,11 @@ namespace cvert { inline namespace CVERT_ISA
       }
       for (uint16_t& x : lower) { const uint16_t n = x; x = sumLower; sumLower = uint16_t(sumLower+n); }
       for (uint16_t& x : upper) { const uint16_t n = x; x = sumUpper; sumUpper = uint16_t(sumUpper+n); }
-      for (uint32_t i=0; i<count; i++) part->spare[lower[items[i].center(k) & 511]++] = uint16_t(i);
+      for (uint32_t i=0; i<count; i++) batch->spare[lower[items[i].center(k) & 511]++] = uint16_t(i);
       for (uint32_t i=0; i<count; i++)
-        part->order[k][upper[items[part->spare[i]].center(k) >> 9]++] = part->spare[i];
+        batch->order[k][upper[items[batch->spare[i]].center(k) >> 9]++] = batch->spare[i];
     }
 
-    const std::unique_ptr<Part> part;
+    const std::unique_ptr<Batch> batch;
   };
 }}

@@ -53,7 +53,7 @@ namespace cvert { inline namespace CVERT_ISA
         while (numTriangles < ends[g] && groups < maxMeshGroups && numTriangles < maxMeshTriangles)
           addGroup(triangles+numTriangles,std::min(std::min(ends[g],maxMeshTriangles)-numTriangles,maxGroupTriangles));
       stored = numTriangles;
-      for (int k=0; k<3; k++) place(k);
+      for (int k=0; k<3; k++) chooseCoordinates(k);
       chooseShear();
       bound();
       return write(surface,block,statistics);
@@ -87,12 +87,12 @@ namespace cvert { inline namespace CVERT_ISA
   protected:
     struct Group
     {
-      uint32_t triangles, vertices, own, restarts, repeats, others, firstVertex;
+      uint32_t triangles, vertices, owned, restarts, repeats, others, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
       uint64_t newMask;                                        //!< bit per entry of the stream: the vertex is new
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
       uint16_t numbers[maxGroupVertices];                      //!< numbers of the vertices in the block
-      uint32_t given[maxGroupTriangles];                       //!< numbers of the triangles
+      uint32_t triangleNumbers[maxGroupTriangles];
       uint32_t lower[3], extent[3];                            //!< box of the group
     };
 
@@ -177,7 +177,7 @@ namespace cvert { inline namespace CVERT_ISA
       group.restartMask = strips.restarts;
       group.fanMask = strips.fans;
       group.firstVertex = numVertices;
-      group.vertices = group.own = group.repeats = group.others = 0;
+      group.vertices = group.owned = group.repeats = group.others = 0;
       group.ownMask = 0;
       group.newMask = 0;
       uint8_t reached[maxGroupVertices+1];
@@ -194,19 +194,19 @@ namespace cvert { inline namespace CVERT_ISA
           cornerOfVertex[numVertices] = uint16_t(corner[v]);
           std::memcpy(vertices[numVertices++],corners[corner[v]],sizeof(vertices[0]));
           group.ownMask |= 1u << group.vertices;
-          group.own++;
+          group.owned++;
         }
         group.numbers[group.vertices++] = number;
       }
       for (uint32_t t=0; t<count; t++) {
         group.turns[t] = strips.turns[t];
-        group.given[t] = triangles[strips.order[t]].number;
+        group.triangleNumbers[t] = triangles[strips.order[t]].number;
       }
       numTriangles += count;
     }
 
     /*! Chooses spacing or ranks on axis k, and computes the coordinates. */
-    void place (int k)
+    void chooseCoordinates (int k)
     {
       float lo = vertices[0][k], hi = lo;
       int step = 1000;
@@ -232,7 +232,7 @@ namespace cvert { inline namespace CVERT_ISA
       const bool fits = step >= -126 && std::ldexp(span,-step) < double(1 << maxMeshCoordinateBits);
       fitsLattice[k] = fits;
       if (fits) {
-        placeOnLattice(k);
+        useLattice(k);
         if (std::ldexp(span,-step) < double(1 << maxUnrankedBits)) return;
       }
       const uint32_t first = rankOfFloat(lo);
@@ -241,8 +241,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Replaces ranks by coordinates on an axis that does not need ranks, after place(). */
-    void placeOnLattice (int k)
+    /*! Replaces ranks by coordinates on an axis that does not need ranks, after chooseCoordinates(). */
+    void useLattice (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), least = double(origin[k]);
       for (uint32_t v=0; v<numVertices; v++) coordinates[k][v] = uint32_t(int((double(vertices[v][k])-least)*unit));
@@ -265,7 +265,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t shift = shiftOf(most,ranked);
       uint64_t sum = 0;
       for (uint32_t g=0; g<groups; g++)
-        sum += all[g].own*bitWidth((((hi[g] >> shift) - (lo[g] >> shift) + 1) << shift) - 1);
+        sum += all[g].owned*bitWidth((((hi[g] >> shift) - (lo[g] >> shift) + 1) << shift) - 1);
       return sum;
     }
 
@@ -357,7 +357,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t lowest = ~0u, highestBase = 0, base[maxMeshGroups], numberBits[maxMeshGroups];
       for (uint32_t g=0; g<groups; g++)
       {
-        const uint32_t* const ids = all[g].given;
+        const uint32_t* const ids = all[g].triangleNumbers;
         base[g] = *std::min_element(ids,ids+all[g].triangles);
         numberBits[g] = bitWidth(*std::max_element(ids,ids+all[g].triangles)-base[g]);
         if (numberBits[g] == 31) numberBits[g] = 32;
@@ -381,7 +381,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const Group& group = all[g];
         const uint32_t byte = (group.triangles-1) | (group.restarts & 7) << 5;
-        const uint32_t record = group.vertices | group.own << 5 | std::min(numberBits[g],31u) << 10
+        const uint32_t record = group.vertices | group.owned << 5 | std::min(numberBits[g],31u) << 10
           | (group.restarts >> 3) << 15;
         header.groups[g/4] |= byte << (8*(g%4));
         block[layout.records+2*g] = uint8_t(record);
@@ -409,8 +409,8 @@ namespace cvert { inline namespace CVERT_ISA
         const Group& group = all[g];
         uint32_t bits[3];
         for (uint32_t k=0; k<3; k++) bits[k] = meshFieldBits(header.spacings,header.form,group.extent[k],k);
-        vertexBits += group.own*(bits[0]+bits[1]+bits[2]);
-        for (uint32_t v=group.firstVertex; v<group.firstVertex+group.own; v++)
+        vertexBits += group.owned*(bits[0]+bits[1]+bits[2]);
+        for (uint32_t v=group.firstVertex; v<group.firstVertex+group.owned; v++)
           for (int k=0; k<3; k++)
             fields.write(coordinates[k][v] - (group.lower[k] << shifts[k]),bits[k]);
       }
@@ -418,7 +418,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t sumOfNumberBits = 0;
       for (uint32_t g=0; g<groups; g++) {
         numbers.write(base[g]-lowest,baseBits);
-        for (uint32_t t=0; t<all[g].triangles; t++) numbers.write(all[g].given[t]-base[g],numberBits[g]);
+        for (uint32_t t=0; t<all[g].triangles; t++) numbers.write(all[g].triangleNumbers[t]-base[g],numberBits[g]);
         sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
         statistics.restarts += all[g].restarts;
       }

@@ -87,7 +87,7 @@ namespace cvert { inline namespace CVERT_ISA
       MeshStep step;
       std::memset(&step,0,sizeof(step));
       fit.fit(vertices,step.map);
-      for (int k=0; k<3; k++) placeStep(k,step);
+      for (int k=0; k<3; k++) chooseStepCoordinates(k,step);
       bound();
       std::memcpy(step.origin,origin,sizeof(origin));
       uint32_t baseBits[3];
@@ -117,7 +117,7 @@ namespace cvert { inline namespace CVERT_ISA
           bases.write(uint32_t(residuals[k].base[g]) & lowBits(baseBits[k]),baseBits[k]);
       BitWriter fields(bases.finish());
       for (uint32_t g=0; g<groups; g++)
-        for (uint32_t v=all[g].firstVertex; v<all[g].firstVertex+all[g].own; v++)
+        for (uint32_t v=all[g].firstVertex; v<all[g].firstVertex+all[g].owned; v++)
           for (int k=0; k<3; k++)
             fields.write(residuals[k].of[v]-uint32_t(residuals[k].base[g]),residuals[k].bits[g]);
       uint8_t* end = fields.finish();
@@ -147,14 +147,14 @@ namespace cvert { inline namespace CVERT_ISA
     };
 
     /*! Chooses a lattice or ranks on an axis, and computes the residuals. */
-    void placeStep (int k, const MeshStep& step)
+    void chooseStepCoordinates (int k, const MeshStep& step)
     {
       for (uint32_t v=0; v<numVertices; v++) predicted[v] = predictedPosition(step.map[k],first[v]);
-      place(k);
+      chooseCoordinates(k);
       const uint64_t bits = subtract(k,residuals[k]);
       if (!isRanked[k] || !fitsLattice[k]) return;
       std::memcpy(ranks,coordinates[k],numVertices*sizeof(ranks[0]));
-      placeOnLattice(k);
+      useLattice(k);
       if (subtract(k,other) < bits) { residuals[k] = other; return; }
       isRanked[k] = true;
       std::memcpy(coordinates[k],ranks,numVertices*sizeof(ranks[0]));
@@ -171,16 +171,16 @@ namespace cvert { inline namespace CVERT_ISA
       {
         out.base[g] = 0;
         out.bits[g] = 0;
-        if (all[g].own == 0) continue;
+        if (all[g].owned == 0) continue;
         int32_t least = 0x7FFFFFFF, most = -0x7FFFFFFF-1;
-        for (uint32_t v=all[g].firstVertex; v<all[g].firstVertex+all[g].own; v++) {
+        for (uint32_t v=all[g].firstVertex; v<all[g].firstVertex+all[g].owned; v++) {
           least = std::min(least,int32_t(out.of[v]));
           most = std::max(most,int32_t(out.of[v]));
         }
         out.base[g] = least;
         out.bits[g] = bitWidth(uint32_t(most)-uint32_t(least));
         if (out.bits[g] == 31) out.bits[g] = 32;
-        sum += all[g].own*out.bits[g];
+        sum += all[g].owned*out.bits[g];
       }
       return sum + groups*out.baseBits(groups);
     }
@@ -188,7 +188,7 @@ namespace cvert { inline namespace CVERT_ISA
     AffineFit fit;
     float first[maxMeshVertices][3];    //!< positions at the first step
     double predicted[maxMeshVertices];  //!< predicted positions on the current axis
-    uint32_t ranks[maxMeshVertices];    //!< temporary, for placeStep
+    uint32_t ranks[maxMeshVertices];    //!< temporary, for chooseStepCoordinates
     Residuals residuals[3], other;
   };
 }}

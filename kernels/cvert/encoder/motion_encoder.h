@@ -90,7 +90,7 @@ namespace cvert { inline namespace CVERT_ISA
     void packFirst ()
     {
       const uint32_t form = at.form() | 1u << 31;
-      const bool packed = allFinite && measure()
+      const bool packed = allFinite && chooseSpacings()
         && pack(at,form,block,[&](int g, const CellEncoder& cell) {
              memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals));
            });
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t offset = uint32_t(end-block);
       memcpy(block+motion.steps+4*(step-1),&offset,sizeof(offset));
       VertStep& header = *(VertStep*)end;
-      bool packed = now.allFinite && now.measure() && packCellsOfStep(now,header);
+      bool packed = now.allFinite && now.chooseSpacings() && packCellsOfStep(now,header);
       if (packed) appendRemainders(now,(uint8_t*)&header,vertStepBytes);
       const size_t rawBytes = vertStepLayout(at.region,rawForm).rawBytes;
       packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
@@ -144,11 +144,11 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
-    /*! Requires now.measure(). False if residuals need too many bits. */
+    /*! Requires now.chooseSpacings(). False if residuals need too many bits. */
     bool packCellsOfStep (BlockVertices& now, VertStep& header)
     {
       for (;;) {
-        now.place();
+        now.computeCoordinates();
         memset(&header,0,vertStepBytes);
         if (tryCellsOfStep(now,header)) return true;
         if (!now.coarsen(cell.excess)) return false;
@@ -216,7 +216,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (!isFirstRaw) {
         rotation.subtract(first[g],own[g],rest);
         memcpy(cell.residuals,rest,sizeof(rest));
-        isRotated = cell.encodeNoise();
+        isRotated = cell.encodeWithoutSlopes();
         if (isRotated) { word = cell.word; bits = cellFieldBits(word); }
       }
       if (bits > maxUntriedBits) {

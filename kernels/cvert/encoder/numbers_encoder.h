@@ -25,7 +25,7 @@ namespace cvert { inline namespace CVERT_ISA
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
 
-  /*! Call set() before the block is encoded, and finish() afterwards. */
+  /*! Call choosePattern() before the block is encoded, and finish() afterwards. */
   class NumbersEncoder
   {
   public:
@@ -36,7 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
     VertNumbers pattern;       //!< numbers to store after the header
 
     /*! Chooses the pattern for the block of width x height quads at quad x0, y0 of the patch. */
-    void set (const QuadNumbers& patch, unsigned x0, unsigned y0, unsigned width, unsigned height)
+    void choosePattern (const QuadNumbers& patch, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
       distance = 1;
@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
         blockForm |= turns[0] | (distance == 1 ? 0 : numbersOfTrianglePairs);
       }
-      if (setRows(blockForm) || setRecursive(blockForm)) return;
+      if (tryRows(blockForm) || tryRecursive(blockForm)) return;
       for (unsigned i=0; i<width*height; i++) entries[i] = numbers[i]-lowest;
       setTable(blockForm,numbersInTable);
     }
@@ -74,7 +74,7 @@ namespace cvert { inline namespace CVERT_ISA
      *  block. bytes: its size. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
-      header->primID = first;
+      header->primID = base;
       if (haveTrianglePairs(form)) bytes = writeTrianglePairs((uint8_t*)header,bytes);
       return haveTable(form) ? writeTable((uint8_t*)header,bytes) : bytes;
     }
@@ -122,45 +122,45 @@ namespace cvert { inline namespace CVERT_ISA
       highest = std::max(highest,*std::max_element(values,values+width*height));
     }
 
-    bool setRows (uint32_t formOfBlock)
+    bool tryRows (uint32_t formOfBlock)
     {
       form = formOfBlock | numbersInRows;
-      first = numbers[0];
-      pattern.x = width > 1 ? numbers[1]-first : 0;
-      pattern.y = height > 1 ? numbers[width]-first : 0;
-      return isRight();
+      base = numbers[0];
+      pattern.x = width > 1 ? numbers[1]-base : 0;
+      pattern.y = height > 1 ? numbers[width]-base : 0;
+      return matches();
     }
 
-    bool setRecursive (uint32_t formOfBlock)
+    bool tryRecursive (uint32_t formOfBlock)
     {
       const uint32_t step = isTriangleForm(formOfBlock) && !haveTrianglePairs(formOfBlock) ? 2 : 1;
       auto code = [&](unsigned i) { return (numbers[i]-lowest)/step; };
       if ((highest-lowest)/step > 255) return false;
-      first = lowest;
+      base = lowest;
       form = formOfBlock | numbersRecursive | code(0) << 8;
       pattern.x = pattern.y = 0;
       for (unsigned i=0; i<maxVertLevel; i++) {
         if ((1u << i) < width) pattern.x |= (code(1u << i)^code(0)) << (8*i);
         if ((1u << i) < height) pattern.y |= (code((1u << i)*width)^code(0)) << (8*i);
       }
-      return isRight();
+      return matches();
     }
 
     void setTable (uint32_t formOfBlock, uint32_t kind)
     {
       form = formOfBlock | kind;
-      first = lowest;
+      base = lowest;
       pattern.x = 0; // set by writeTable
       pattern.y = 0;
       const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(form));
       while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
     }
 
-    bool isRight () const
+    bool matches () const
     {
       for (unsigned y=0; y<height; y++)
         for (unsigned x=0; x<width; x++)
-          if (first + patternNumber(form,pattern,x,y) != numbers[y*width+x]) return false;
+          if (base + patternNumber(form,pattern,x,y) != numbers[y*width+x]) return false;
       return true;
     }
 
@@ -168,6 +168,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
     uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
     uint32_t distance;        //!< from first to second triangles
-    uint32_t lowest, highest, first;
+    uint32_t lowest, highest, base;
   };
 }}

@@ -13,13 +13,13 @@ namespace cvert { inline namespace CVERT_ISA
 {
   /*! Snaps four consecutive vertices. Returns the largest squared distance, in spacings, by which a finite vertex
    *  moved. */
-  inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
+  inline float snapFour(const WorldLattice& lattice, const float (*original)[3], float (*snapped)[3])
   {
     Float4 square[3];
     for (int i=0; i<3; i++)
     {
-      const Float4 p = Float4::load(&own[0][0]+4*i), q = lattice.snap(p), d = (p-q)*lattice.reciprocal;
-      q.store(&stored[0][0]+4*i);
+      const Float4 p = Float4::load(&original[0][0]+4*i), q = lattice.snap(p), d = (p-q)*lattice.reciprocal;
+      q.store(&snapped[0][0]+4*i);
       square[i] = d*d;
     }
     const Vertices4 s(square[0],square[1],square[2],true);
@@ -29,7 +29,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   /*! Counts quads, of four in a row with triangles (00,10,01) and (10,11,01), with a normal that turned by more than 90
    *  degrees. width: vertices per row. */
-  inline uint32_t countFlippedOfFour(const float (*own)[3], const float (*stored)[3], size_t width)
+  inline uint32_t countFlippedOfFour(const float (*original)[3], const float (*snapped)[3], size_t width)
   {
     struct Normals
     {
@@ -40,7 +40,7 @@ namespace cvert { inline namespace CVERT_ISA
       Normals(const Vertices4& a, const Vertices4& b, const Vertices4& c, const Vertices4& d)
         : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
     };
-    const Normals n(own,width), m(stored,width);
+    const Normals n(original,width), m(snapped,width);
     const uint32_t flipped = lanesLess(dot(n.lower,m.lower),0.0f) | lanesLess(dot(n.upper,m.upper),0.0f);
     return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // population count
   }

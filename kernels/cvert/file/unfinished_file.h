@@ -75,22 +75,22 @@ namespace cvert
   public:
     /*! Creates a file that is removed unless committed, and removes files of killed writers of the same path. Throws
      *  std::system_error, with EINVAL for a STREAM, which the file would replace. */
-    explicit UnfinishedFile (const OutputPath& place) : place(place)
+    explicit UnfinishedFile (const OutputPath& output) : output(output)
     {
       requireFile();
       const std::string mark = ".cbvh-part-";
-      const std::string begin = fitted(mark.size()+16) + mark, folder = folderOf(place.path);
+      const std::string begin = shortenedName(mark.size()+16) + mark, folder = folderOf(output.path);
       for (int tries=0; !open(folder + "/" + begin + randomDigits(),O_EXCL); tries++)
         if (tries == 100) throwErrno(EEXIST);
       removeStale(folder,begin);
     }
 
-    /*! Creates or opens a file that a later process can continue, named by the final name and `ending`. Throws
+    /*! Creates or opens a file that a later process can continue, named by the final name and `suffix`. Throws
      *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
-    UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
+    UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), keeps(true)
     {
       requireFile();
-      const std::string path = folderOf(place.path) + "/" + fitted(ending.size()) + ending;
+      const std::string path = folderOf(output.path) + "/" + shortenedName(suffix.size()) + suffix;
       for (int tries=0; !open(path,0); tries++)
         if (tries == 100) throwErrno(EWOULDBLOCK);
     }
@@ -116,8 +116,8 @@ namespace cvert
      *  set-group-ID and sticky bits (07000) are only copied with the group. */
     void copyPermissions ()
     {
-      if (place.kind != OutputPath::REGULAR) return;
-      const struct stat& status = place.status;
+      if (output.kind != OutputPath::REGULAR) return;
+      const struct stat& status = output.status;
       const bool owns = ::fchown(file,status.st_uid,status.st_gid) == 0
         || ::fchown(file,uid_t(-1),status.st_gid) == 0;
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
@@ -128,15 +128,15 @@ namespace cvert
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
-      if (::rename(name.c_str(),place.path.c_str()) != 0) throwErrno(errno);
+      if (::rename(name.c_str(),output.path.c_str()) != 0) throwErrno(errno);
       ::close(file);
       file = -1;
-      const int folder = ::open(folderOf(place.path).c_str(),O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      const int folder = ::open(folderOf(output.path).c_str(),O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       if (folder >= 0) { (void)!::fsync(folder); ::close(folder); }
     }
 
   private:
-    void requireFile () const { if (place.kind == OutputPath::STREAM) throwErrno(EINVAL); }
+    void requireFile () const { if (output.kind == OutputPath::STREAM) throwErrno(EINVAL); }
 
     /*! Creates and locks the file. Returns false if the caller must retry: the name exists, or the previous writer
      *  renamed or removed the file. */
@@ -167,10 +167,10 @@ namespace cvert
 
     /*! Returns the final name, to which the caller appends `more` bytes. If the result would be too long, cuts the name
      *  and appends its hash. */
-    std::string fitted (size_t more) const
+    std::string shortenedName (size_t more) const
     {
-      const std::string all = fileNameOf(place.path);
-      const long limit = ::pathconf(folderOf(place.path).c_str(),_PC_NAME_MAX);
+      const std::string all = fileNameOf(output.path);
+      const long limit = ::pathconf(folderOf(output.path).c_str(),_PC_NAME_MAX);
       const size_t most = limit > 0 ? size_t(limit) : NAME_MAX;
       if (all.size()+more <= most) return all;
       uint64_t sum = 0xcbf29ce484222325; // FNV-1a hash
@@ -213,7 +213,7 @@ namespace cvert
       ::closedir(entries);
     }
 
-    const OutputPath place;
+    const OutputPath output;
     std::string name;
     int file = -1;
     bool keeps = false;

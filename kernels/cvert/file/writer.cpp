@@ -70,13 +70,13 @@ namespace cvert
     }
   }
 
-  FileWriter::FileWriter (const std::string& path) : path(path), keeps(false)
+  FileWriter::FileWriter (const std::string& path) : path(path), isResumable(false)
   {
     open("");
     begin();
   }
 
-  FileWriter::FileWriter (const std::string& path, uint64_t key) : path(path), keeps(true), key(key)
+  FileWriter::FileWriter (const std::string& path, uint64_t key) : path(path), isResumable(true), key(key)
   {
     open(".part");
     resume();
@@ -84,7 +84,7 @@ namespace cvert
 
   FileWriter::~FileWriter ()
   {
-    if (!file || !keeps) return;
+    if (!file || !isResumable) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
     catch (...) {} // the file still contains what the header on the disk refers to
     file->keep(saved != 0);
@@ -160,7 +160,7 @@ namespace cvert
     if (at % alignment) write(zeros,size_t(alignment - at % alignment));
   }
 
-  uint32_t FileWriter::numberOf (const FileGeometry& record)
+  uint32_t FileWriter::chooseSurfaceNumber (const FileGeometry& record)
   {
     // Depends only on contents: the same surfaces produce the same file, other files most likely differ.
     const uint32_t count = firstFileNumber-1; // -1 because a moving surface would have ~0u, which is reserved
@@ -178,7 +178,7 @@ namespace cvert
   void FileWriter::add (FileSurface& surface)
   {
     requireOpen();
-    if (keeps && at-saved >= checkpointBytes) writeDirectory();
+    if (isResumable && at-saved >= checkpointBytes) writeDirectory();
     padTo(filePage);
     FileGeometry& record = surface.record;
     record.tree = record.blocks = 0;
@@ -187,7 +187,7 @@ namespace cvert
     record.treeBytes = surface.tree.size();
     record.blockBytes = surface.end;
     record.treeChecksum = fileChecksum(surface.tree.data(),surface.tree.size());
-    record.surface = numberOf(record);
+    record.surface = chooseSurfaceNumber(record);
     if (const Reason reason = validateRecord(record))
       throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
     record.tree = at;
@@ -205,7 +205,7 @@ namespace cvert
     directory.push_back(record);
     vertVersion = std::max(vertVersion,surface.vertVersion);
     // starts writing to disk, so that the next checkpoint need not wait
-    if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
+    if (isResumable) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
 
   void FileWriter::writeBlocks (FileSurface& surface)
@@ -246,7 +246,7 @@ namespace cvert
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
     // the header of a resumable file must only refer to data on the disk
-    int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
+    int error = isResumable && ::fsync(file->descriptor()) != 0 ? errno : 0;
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;
     if (error) failToWrite(error);

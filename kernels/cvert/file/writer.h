@@ -104,11 +104,11 @@ namespace cvert
     [[noreturn]] void failToWrite (int error);
 
     /*! Chooses a geometry's surface number, which is unique in the file. */
-    uint32_t numberOf (const FileGeometry& record);
+    uint32_t chooseSurfaceNumber (const FileGeometry& record);
 
     const std::string path;
     std::unique_ptr<UnfinishedFile> file; //!< null after commit
-    const bool keeps;                     //!< keeps the file without commit
+    const bool isResumable;               //!< has a key: the file is kept without commit
     bool failed = false;
     uint64_t key = 0;
     uint64_t at = 0, saved = 0;           //!< bytes that are written, and bytes that the header on the disk covers
