@@ -61,19 +61,19 @@ TEST(VertFormat, ConstantsMatchPages)
   expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
                               {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
                               {"a plane contains the ray up to this part of the sum, `minCosine`", at.parallelLimit/3},
-                              {"median edge / default spacing", 1/spacingOfEdge},
-                              {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge},
-                              {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge},
-                              {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
-                              {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal},
-                              {"quads along u or v, below which the default spacing shrinks", fullQuads}});
+                              {"median edge / default spacing", 1/spacingPerEdge},
+                              {"median edge / default spacing, grids of an application", 1/spacingPerGridEdge},
+                              {"median edge / default spacing, quads and triangles", 1/spacingPerMeshEdge},
+                              {"median edge / spacing that the diagonal asks for, at most", 1/minSpacingPerEdge},
+                              {"diagonal / spacing that the diagonal asks for", 1/spacingPerDiagonal},
+                              {"quads along u or v, below which the default spacing shrinks", fullSpacingQuads}});
 }
 
 // The rule in accuracy.md for a median edge of 1. The table in rays.md has the numbers.
 TEST(VertFormat, DefaultSpacingMatchesPage)
 {
-  const double ofEdge = spacingOfEdge, least = finestOfEdge, ofDiagonal = spacingOfDiagonal;
-  const unsigned full = fullQuads;
+  const double ofEdge = spacingPerEdge, least = minSpacingPerEdge, ofDiagonal = spacingPerDiagonal;
+  const unsigned full = fullSpacingQuads;
   for (unsigned quads = 1; quads < full; quads++)
     for (double size : {0.0, 1e9})
       EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";

@@ -10,7 +10,7 @@
  *       Memory of a task, constructed from a Device*.
  *   size_t size ()
  *       Number of primitives.
- *   double spacingOfEdge ()
+ *   double spacingPerEdge ()
  *       Argument of LatticeChoice.
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
@@ -126,7 +126,7 @@ namespace embree
             size_t n = 0;
             for (size_t i=r.begin(); i!=r.end(); i++)
               for (unsigned step=0; step<plan.numTimeSteps; step++) {
-                LatticeChoice choice(topology.spacingOfEdge());
+                LatticeChoice choice(topology.spacingPerEdge());
                 if (!topology.addLines(i,step,scratch,choice)) continue;
                 const int exponent = choice.exponent(plan,diagonals[step]);
                 own[i*plan.numTimeSteps + step] = int8_t(exponent);

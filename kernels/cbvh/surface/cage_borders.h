@@ -68,7 +68,7 @@ namespace embree
       /* Topology of border_lattices.h. Elements are corners and interiors of owned edges. */
 
       size_t size () const { return mesh->size(); }
-      double spacingOfEdge () const { return 0; }
+      double spacingPerEdge () const { return 0; }
 
       void extendBounds (size_t f, unsigned step, BBox3fa& bounds) const
       {

@@ -22,7 +22,7 @@
  *       True if the geometry has primitives that are in no grid, and may share vertices with grids.
  *   bool number (size_t i, QuadNumbers& out) const
  *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
- *   static double spacingOfEdge ()
+ *   static double spacingPerEdge ()
  *       Default spacing of lattices, as a fraction of the median edge.
  *   bool isError (size_t i) const
  *       True if a commit reports grid i as an error: its vertices are outside of their buffer.
@@ -74,7 +74,7 @@ namespace embree
 
     public:
       typedef GridMesh Mesh;
-      static double spacingOfEdge () { return cbvh::spacingOfGridEdge; }
+      static double spacingPerEdge () { return cbvh::spacingPerGridEdge; }
       typedef DicedGrid<Rows> Grid;
 
       explicit GridsOfGridMesh (const GridMesh* mesh) : mesh(mesh) {}
@@ -133,7 +133,7 @@ namespace embree
 
     public:
       typedef MeshType Mesh;
-      static double spacingOfEdge () { return cbvh::spacingOfMeshEdge; }
+      static double spacingPerEdge () { return cbvh::spacingPerMeshEdge; }
       typedef DicedGrid<Corners> Grid;
 
       explicit GridsOfRegions (const MeshType* mesh)

@@ -120,7 +120,7 @@ namespace embree
 
       /* Topology of border_lattices.h. Elements are entries of the table. */
 
-      double spacingOfEdge () const { return Grids::spacingOfEdge(); }
+      double spacingPerEdge () const { return Grids::spacingPerEdge(); }
 
       void extendBounds (size_t i, unsigned step, BBox3fa& bounds) const
       {

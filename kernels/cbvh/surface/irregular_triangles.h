@@ -243,7 +243,7 @@ namespace embree
       /*! Chooses a spacing from the edges of a sample of triangles. */
       int chooseExponent ()
       {
-        LatticeChoice choice(cbvh::spacingOfMeshEdge);
+        LatticeChoice choice(cbvh::spacingPerMeshEdge);
         const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
         for (size_t i=0; i<numPrimitives(); i+=step)
         {

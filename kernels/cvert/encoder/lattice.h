@@ -18,36 +18,36 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Default spacing as a fraction of a face's median quad edge along u or v, whichever is shorter. spacingOfDiagonal
+  /*! Default spacing as a fraction of a face's median quad edge along u or v, whichever is shorter. spacingPerDiagonal
    *  may reduce it. */
-  static constexpr double spacingOfEdge = 1.0/36;
+  static constexpr double spacingPerEdge = 1.0/36;
 
   /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture, and consist mostly of
    *  headers. */
-  static constexpr unsigned fullQuads = 16;
+  static constexpr unsigned fullSpacingQuads = 16;
 
   /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
    *  geometry. Matters for objects of few, large quads. */
-  static constexpr double spacingOfDiagonal = 1.0/32768;
+  static constexpr double spacingPerDiagonal = 1.0/32768;
 
   /*! Lower bound of the spacing by the diagonal, as a fraction of the edge: residuals must fit into a cell. */
-  static constexpr double finestOfEdge = 1.0/96;
+  static constexpr double minSpacingPerEdge = 1.0/96;
 
   /*! Spacing for an application's grids, as a fraction of an edge. Rays that start 1/200 of an edge above the
    *  application's vertices also start above the stored surface, on slopes of up to 45 degrees. */
-  static constexpr double spacingOfGridEdge = 1.0/512;
+  static constexpr double spacingPerGridEdge = 1.0/512;
 
   /*! Spacing for quads and triangles, as a fraction of an edge. Renderers shade points on their own triangles, on which
    *  a stored surface slightly in front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing
    *  light that become darker by more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
-  static constexpr double spacingOfMeshEdge = 1.0/2048;
+  static constexpr double spacingPerMeshEdge = 1.0/2048;
 
   /*! Default spacing of a face of a cage. median: median edge length along u or v. quads: number of quads in this
    *  direction. diagonal: of the geometry's bounds. */
   inline double defaultSpacing(double median, unsigned quads, double diagonal)
   {
-    if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
-    return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
+    if (quads < fullSpacingQuads) return median*spacingPerEdge*quads/fullSpacingQuads;
+    return std::min(median*spacingPerEdge,std::max(diagonal*spacingPerDiagonal,median*minSpacingPerEdge));
   }
 
   /*! Floats of at least 2^floatBits spacings have no finer bits. */

@@ -79,15 +79,15 @@ namespace cvert
     {
       requireFile();
       const std::string mark = ".cbvh-part-";
-      const std::string begin = shortenedName(mark.size()+16) + mark, folder = folderOf(output.path);
-      for (int tries=0; !open(folder + "/" + begin + randomDigits(),O_EXCL); tries++)
+      const std::string prefix = shortenedName(mark.size()+16) + mark, folder = folderOf(output.path);
+      for (int tries=0; !open(folder + "/" + prefix + randomDigits(),O_EXCL); tries++)
         if (tries == 100) throwErrno(EEXIST);
-      removeStale(folder,begin);
+      removeStale(folder,prefix);
     }
 
     /*! Creates or opens a file that a later process can continue, named by the final name and `suffix`. Throws
      *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
-    UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), keeps(true)
+    UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), isKept(true)
     {
       requireFile();
       const std::string path = folderOf(output.path) + "/" + shortenedName(suffix.size()) + suffix;
@@ -99,7 +99,7 @@ namespace cvert
     ~UnfinishedFile ()
     {
       if (file < 0) return;
-      if (!keeps) ::unlink(name.c_str());
+      if (!isKept) ::unlink(name.c_str());
       ::close(file);
     }
 
@@ -110,7 +110,7 @@ namespace cvert
     const std::string& path () const { return name; }
 
     /*! isKept: the destructor does not remove the file. */
-    void keep (bool isKept) { keeps = isKept; }
+    void setKept (bool isKept) { this->isKept = isKept; }
 
     /*! Copies permissions, and the owner if permitted, of the file that this one replaces. The set-user-ID,
      *  set-group-ID and sticky bits (07000) are only copied with the group. */
@@ -193,16 +193,16 @@ namespace cvert
       return digitsOf((uint64_t(random()) << 32) | random());
     }
 
-    /*! Removes unlocked files whose names are `begin` and 16 digits: their writers were killed. */
-    void removeStale (const std::string& folder, const std::string& begin) const
+    /*! Removes unlocked files whose names are `prefix` and 16 digits: their writers were killed. */
+    void removeStale (const std::string& folder, const std::string& prefix) const
     {
       DIR* const entries = ::opendir(folder.c_str());
       if (!entries) return;
       while (const dirent* entry = ::readdir(entries))
       {
         const std::string found = entry->d_name, path = folder + "/" + found;
-        if (found.size() != begin.size()+16 || found.compare(0,begin.size(),begin) != 0 || path == name) continue;
-        if (found.find_first_not_of("0123456789abcdef",begin.size()) != std::string::npos) continue;
+        if (found.size() != prefix.size()+16 || found.compare(0,prefix.size(),prefix) != 0 || path == name) continue;
+        if (found.find_first_not_of("0123456789abcdef",prefix.size()) != std::string::npos) continue;
         const int stale = ::open(path.c_str(),O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
         if (stale < 0) continue;
         struct stat status;
@@ -216,6 +216,6 @@ namespace cvert
     const OutputPath output;
     std::string name;
     int file = -1;
-    bool keeps = false;
+    bool isKept = false;
   };
 }

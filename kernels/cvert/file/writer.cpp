@@ -87,7 +87,7 @@ namespace cvert
     if (!file || !isResumable) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
     catch (...) {} // the file still contains what the header on the disk refers to
-    file->keep(saved != 0);
+    file->setKept(saved != 0);
   }
 
   void FileWriter::begin ()
