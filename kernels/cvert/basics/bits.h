@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes the fields of blocks that have any number of bits. bitsAt() of bytes.h reads them. */
+/* Writes bit fields. bitsAt() of bytes.h reads them. */
 
 #include "language.h"
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Number of bits that are necessary to store a number: the position of its highest set bit, from 1; 0 for 0. */
+  /*! Number of bits that store a number; 0 for 0. */
   inline uint32_t bitWidth (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
-  /*! Appends numbers of up to 32 bits without gaps, lowest bit first. Requires a little-endian processor. */
+  /*! Appends fields of up to 32 bits without gaps, lowest bit first. Requires a little-endian processor. */
   class BitWriter
   {
   public:
-    /*! out: start of the output, of any alignment. Writes no byte after the last bit's. */
+    /*! out: of any alignment. */
     explicit BitWriter (uint8_t* out) : out(out) {}
 
     /*! Requires number < 2^bits. */
@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
       count -= 32;
     }
 
-    /*! Pads the last byte with zeros. Returns the end of the output. */
+    /*! Pads the last byte with zeros, and returns the end of the output. */
     uint8_t* finish ()
     {
       for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory access in code shared by C++ and GLSL: all decoders read the bytes of a block by these functions. Addresses
- * are pointers in C++, and buffer addresses (two words, lower half first) in GLSL.
+/* Memory access in code shared by C++ and GLSL. Addresses are pointers in C++, and buffer addresses (two words, lower
+ * half first) in GLSL.
  *
  *   CVERT_POINTER(Type)       address of a struct, or of any bytes if Type is void
  *   CVERT_AS(Type,address)    converts an address to the address of a struct
@@ -81,7 +81,7 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
 }
 
 /*! Returns `count` bits (at most 32) from bit `bit` on. Higher bits of the result are undefined. C++ reads only bytes
- *  that contain a requested bit. GLSL reads whole words and may read the word after the last bit. */
+ *  that contain a requested bit; GLSL may also read the word after the last bit. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vectors of four doubles, for exact hit distances and for encoders. They replace Embree's vdouble4, which requires
- * AVX. Each lane has the same result as scalar code. double4_avx.h documents the functions. */
+/* Vectors of four doubles, in place of Embree's vdouble4, which requires AVX. Each lane has the result of scalar code.
+ * double4_avx.h documents the functions. */
 
 #if defined(__aarch64__) // tested first, because Embree defines macros of SSE2 and AVX on ARM64, too
 #include "double4_neon.h"

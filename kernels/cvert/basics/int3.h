@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Vectors of three integers, named and computed as ivec3 of GLSL: coordinates of vertices in a block. Arithmetic is
- * modulo 2^32, because coordinates of damaged blocks may overflow. */
+/* Coordinates of vertices in a block: ivec3 in GLSL. Arithmetic is modulo 2^32, because coordinates of damaged blocks
+ * may overflow. */
 
 #ifndef CVERT_INT3_H
 #define CVERT_INT3_H

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vectors of four floats or integers, for encoders. Operations round as scalar ones do, so that blocks have the same
- * bytes on every instruction set. Requires -ffp-contract=off. CVERT_PORTABLE selects plain C++ instead of SSE and NEON.
+/* Vectors of four floats or integers, for encoders. Results equal those of scalar code, so that all instruction sets
+ * encode the same bytes. Requires -ffp-contract=off. CVERT_PORTABLE selects plain C++ instead of SSE and NEON.
  * lanes_sse.h documents the functions. */
 
 #if defined(CVERT_PORTABLE)
@@ -19,8 +19,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns vertex i in lanes 0 to 2; lane 3 is undefined. count: number of vertices. Reads nothing after the last
-   *  one. */
+  /*! Returns vertex i of `count` in lanes 0 to 2; lane 3 is undefined. Reads nothing after the last vertex. */
   inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
     return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
   }

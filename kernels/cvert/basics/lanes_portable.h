@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The functions of lanes_sse.h in plain C++, with the same results: for other processors, and for tests that compare
- * the bytes of blocks. */
+/* The functions of lanes_sse.h in plain C++, with the same results: for other processors, and for tests. */
 
 #include "language.h"
 #include <cmath>

@@ -117,7 +117,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
-  /*! Splits four vertices that follow each other in memory by axis. a, b, c: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
+  /*! Splits four vertices by axis. a, b, c: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices

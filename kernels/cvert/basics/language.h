@@ -1,15 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Macros for headers that compile as C++11 and as GLSL 4.60: CPU code, tests and shaders share one implementation of
- * the format and the hit rule.
+/* Macros for headers that compile as C++11 and as GLSL 4.60, so that CPUs and GPUs share the format and the hit rule.
  *
- * Shared code consists of free functions on plain values. It uses no member functions, no references or pointers
- * (except those of bytes.h and int3.h), no 64-bit integers and no recursion. Braced values occur only in initializers
- * of constants.
+ * Shared code consists of free functions on plain values: no member functions, references or pointers (except in
+ * bytes.h and int3.h), 64-bit integers or recursion. Braces initialize only constants.
  *
- * Functions are templates in C++ on the type of numbers, Real: float, double, or for some functions a vector type of
- * Embree. In GLSL Real is float.
+ * C++ functions are templates on the type Real: float, double, or a vector type of Embree. In GLSL, Real is float.
  *
  *   CVERT_BEGIN, CVERT_END        around all shared code: namespaces in C++
  *   CBVH_FUNCTION                 before a function
@@ -18,8 +15,8 @@
  *   CVERT_OF(Type)                a struct that was declared with CVERT_REAL, with the same Real
  *   CVERT_BOOL(Type)              result type of comparisons of Type: bool or a mask
  *   CVERT_AS_FLOAT(Function)      a function or struct that was declared with CVERT_REAL, with Real = float
- *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles. It is
- *                                 float in shaders without CBVH_FLOAT64, which compute exact signs with integers
+ *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles; float
+ *                                 in shaders without CBVH_FLOAT64, which compute exact signs with integers
  *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide
  *   CVERT_INLINE                  instead of CBVH_FUNCTION: C++ compilers must inline the function
  *   CVERT_LIKELY(condition)       hint that a condition is usually true */
@@ -57,8 +54,8 @@
 #include <limits>
 #include <utility>
 
-/* Inline code is compiled once per instruction set, each in its own inline namespace. In a common namespace, the linker
- * would keep one copy of each function, which might use AVX on machines without it. */
+/* One inline namespace per instruction set. In a common namespace, the linker would keep one copy of each inline
+ * function, which might use AVX on machines without it. */
 #if defined(CVERT_PORTABLE)
 #  define CVERT_ISA isa_portable
 #elif defined(__AVX512F__)
@@ -90,16 +87,16 @@
 
 CVERT_BEGIN
 
-/* Used instead of min, max and abs, because C++ and GLSL define these differently for NaN and equal operands, and
- * because compilers may not inline std::fmin and std::fmax. */
+/* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. Compilers may not
+ * inline std::fmin and std::fmax. */
 CVERT_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CVERT_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
-/* both, either: logical operators that also work on vectors of truth values.
- * product: a product that the compiler never fuses with a sum into one instruction, which would round differently. */
+/* both, either: logical operators, also for masks.
+ * product: never fused with a sum into one instruction, which would round differently. */
 #ifdef VULKAN
 bool both (bool a, bool b) { return a && b; }
 bool either (bool a, bool b) { return a || b; }
@@ -123,8 +120,8 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* Returns p and hides from the compiler that p is a product, so that it cannot fuse it with a sum. -ffp-contract=off
- * cannot be used instead: it holds for whole files, and cGRID's leaves must fuse products exactly as GRID does. */
+/* Hides from the compiler that p is a product, so that it cannot fuse it with a sum. Not -ffp-contract=off, which
+ * applies to whole files: cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {

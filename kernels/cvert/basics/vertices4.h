@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 dot(const Vertices4& a, const Vertices4& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
   };
 
-  /*! Computes the bounds of vertices. Returns false if a vertex is not finite (isFinite); bounds are then undefined. */
+  /*! Computes bounds. Returns false if a vertex is not finite (isFinite); bounds are then undefined. */
   inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
   {
     Float4 low = maxCoordinate, high = -maxCoordinate;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vectors and bounds in world space, in double precision, for encoders. */
+/* Vectors and bounds in world space, in double precision. */
 
 #include "language.h"
 #include <cmath>

@@ -2,28 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A cVERT block: up to 16 x 16 quads of a patch, in up to 4 x 4 groups of 4 x 4 quads. A patch is a face of a cage, a
- * part of such a face, a grid, or a rectangle of a mesh's quads. docs/formats/block.md specifies the format. Encoders
- * write blocks, validate.h checks them, and decoders on CPUs and GPUs read them by the functions of this file. Layout:
+ * part of such a face, a grid, or a rectangle of a mesh's quads. docs/formats/block.md specifies the format. Layout:
  *
- *   header | edges of the patch, or numbers of quads | word of remainders | margins of groups | words of groups |
- *   fields of the first cell | fields of groups | remainders | table of numbers
+ *   header | edges of the patch, or primitive numbers of quads | word of remainders | margins of groups |
+ *   words of groups | fields of the first cell | fields of groups | remainders | table of primitive numbers
  *
- * motion.h describes the additional parts of moving blocks.
+ * motion.h adds the parts of moving blocks.
  *
  * On each axis a vertex is
  *
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
- * with a power of two as spacing. Coordinates have 14 bits, coded in cells (cell.h). Blocks whose vertices need more
- * bits store the lower ones as remainders, or floats if an axis needs too many. Vertices are exact in float, fused or
- * not: the origin and the sum before the remainder are multiples of the spacing. Blocks that share a vertex therefore
- * have the same floats, so surfaces are watertight if their triangles are.
+ * with a power of two as spacing. Coordinates have 14 bits, coded in cells (cell.h). If vertices need more bits, the
+ * lower ones are stored as remainders, or as floats on an axis that needs too many. Vertices are exact in float, fused
+ * or not: the origin and the sum before the remainder are multiples of the spacing. Blocks therefore share vertices
+ * exactly, which keeps surfaces watertight.
  *
- * A group's box is the box of its four corners, which the first cell stores, enlarged by margins of 4 bits per side.
- * Its planes are perpendicular to two world axes and to a third one that is sheared along the block, so that inclined
- * sheets have flat boxes.
+ * A group's box is the box of its four corners, which are vertices of the first cell, enlarged by margins of 4 bits per
+ * side. On one axis it bounds a sheared coordinate, so that inclined sheets have flat boxes.
  *
- * A raw block stores vertices and boxes as floats, if a vertex is not finite or if floats need fewer bytes. */
+ * A raw block stores vertices and boxes as floats, if a vertex is not finite or floats need fewer bytes. */
 
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
@@ -35,18 +33,18 @@
 
 CVERT_BEGIN
 
-/*! Version of this format (docs/formats/block.md). Changes that affect readers increment it. */
+/*! Changes that affect readers increment it. */
 CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 
 /*! Decoders will always read versions from this one on. */
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
-/*! Number of bytes after a block that decoders may read. Owners of blocks must keep these bytes readable. */
+/*! Decoders may read this many bytes after a block. Owners of blocks must keep them readable. */
 CVERT_CONSTANT uint32_t vertReadPadding = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
-CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this
+CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this in their patch
 /*! Number of blocks along a side of a patch with `quads` quads. */
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
@@ -65,9 +63,9 @@ struct VertHeader
   float origin[3];        //!< position of coordinates (0,0,0)
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the surface, see limits.h
-  uint32_t primID;        //!< primitive of the patch, or base of the numbers of quads (quad_numbers.h)
-  uint32_t region;        //!< size of the block and position in its patch: see packRegion
-  uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
+  uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
+  uint32_t region;        //!< size and position in the patch: see packRegion
+  uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or form of the numbers (quad_numbers.h)
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
   uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
@@ -90,10 +88,10 @@ CBVH_FUNCTION uint32_t packPatchQuads (uint32_t quadsX, uint32_t quadsY) { retur
 CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
 CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
-/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the edge's rate minus 1.
- *  The rate is at most the number of the patch's quads along the edge. The upper 4 bits of the first two are the face
- *  parameters u and v at the patch's corner, in halves. The block stores VertEdges after the header, and sets bit 29 of
- *  boxForm, if the patch does not begin at its face's corner or if the block touches an edge of a lower rate. */
+/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the edge's rate minus 1;
+ *  the rate is at most the patch's quads along the edge. The upper 4 bits of the first two are the face parameters u
+ *  and v at the patch's corner, in halves. Follows the header if the patch does not begin at its face's corner, or if
+ *  the block touches an edge of a lower rate. */
 struct VertEdges
 {
   uint32_t low, high; //!< edges v = 0 and u = 1, edges v = 1 and u = 0
@@ -116,47 +114,45 @@ CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
 CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
-/*! Time steps of a moving block. Follows the header, and VertEdges or VertNumbers if present. */
+/*! Follows the header of a moving block, and VertEdges or VertNumbers if present. */
 struct VertMotion
 {
   float begin, end;  //!< times of the first and last step
   uint32_t numSteps; //!< at least 2
-  uint32_t steps;    //!< offset of a 4-byte offset for each step after the first; offsets are in bytes from the start
-                     //!< of the block
+  uint32_t steps;    //!< offset of the 4-byte offsets of the steps after the first, from the start of the block
 };
 CVERT_READABLE(VertMotion,4)
 
 CBVH_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
-/*! Byte offset of VertMotion if the block moves. */
+/*! Byte offset of VertMotion. */
 CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
-/*! Number of groups along a side of a block with `quads` quads. */
+/*! Groups along a side of a block with `quads` quads. */
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! Number of quads along a side of group g. quads: along the same side of the block. */
+/*! Quads along a side of group g. quads: along the same side of the block. */
 CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
   return rest < groupQuads ? rest : groupQuads;
 }
 
-/* Boxes have planes perpendicular to two world axes. On the third axis, m, they bound the sheared coordinate
+/* On the sheared axis, m, boxes bound
  *
  *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the block's slopes. boxForm stores the shifts of margins, the axis m and the slopes
- * in the bits in which a cell's word stores numbers of bits, main axis and slopes, so that the accessors of cell.h
- * apply to both. */
+ * which is constant on a plane with the block's slopes. boxForm stores the axis m and the slopes in the same bits as a
+ * cell's word stores main axis and slopes: the accessors of cell.h apply to both. */
 
 /*! Margins on an axis are multiples of 2^marginShift coordinates. */
 CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
 
 CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
 
-/*! Slope of axis m+i (i = 1 or 2), in 1/16. */
+/*! Slope s1 or s2 (i = 1 or 2), in 1/16. */
 CBVH_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
 /*! Unit of VertHeader::reach, in coordinates. Bits 0..7 and 8..15 of reach are the upper bounds on the axes m+1 and
@@ -179,12 +175,12 @@ CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3
  *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: bit i of the exponent on z
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
-/*! Returns bit `at` (14 or 15) of both values in a word of corners, the lower value's first. */
+/*! Returns bit `at` (14 or 15) of both values in a word of corners, of the lower value in bit 0. */
 CBVH_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
   return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
 }
 
-/*! Returns bit `at` of the 8 values in four words, the first value's in bit 0. */
+/*! The same for the 8 values in four words. */
 CBVH_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
@@ -197,7 +193,7 @@ CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
 }
 
-/*! Spacings of the block's lattice on x, y and z: powers of two, stored as biased exponents of floats. */
+/*! Spacings on x, y and z: powers of two, stored as biased exponents of floats. */
 struct VertSpacing { float at[3]; };
 
 /*! word: of the first cell. c0 to c3: the first four words of corners. */
@@ -226,9 +222,9 @@ CBVH_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_
   return bounds;
 }
 
-/*! Upper bound, on any axis, of the distance between the origin and the block's vertices and planes of boxes. Slopes
- *  are less than 1, so no vertex is farther than the sum of the bounds; margins may double this. All axes share the
- *  bound, because the shear of a ray mixes their rounding errors. */
+/*! Upper bound, on any axis, of the distance from the origin to vertices and planes of boxes. Slopes are less than 1,
+ *  so no vertex is farther than the sum of the bounds; margins may double this. One bound for all axes, because the
+ *  shear of a ray mixes their rounding errors. */
 CBVH_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
@@ -237,7 +233,7 @@ CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step,
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
-/*! Factor of a coordinate on axis m+i (i = 1 or 2) in the sheared coordinate, in spacings of m. */
+/*! Factor of the coordinate on axis m+i (i = 1 or 2) in h, which is in spacings of m. */
 CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
@@ -245,7 +241,7 @@ CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 }
 
 /*! Word of group g's cell. words, wordsHigh: byte offsets of the words' lower 16 and upper 8 bits. Without hasHighBits,
- *  the upper bits are not stored and are 0. */
+ *  the upper bits are 0 and not stored. */
 CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
                                      uint32_t g)
 {
@@ -253,8 +249,8 @@ CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, ui
   return hasHighBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Byte offset after the fields of the first `groups` groups. cell: offset of the first cell's fields. word: word of
- *  the first cell. words: see wordOfGroup. */
+/*! Byte offset after the fields of the first `groups` groups. cell, word: fields and word of the first cell. words: see
+ *  wordOfGroup. */
 CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
@@ -269,25 +265,25 @@ CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uin
  *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
  *   bits 16..31                offset of the remainders, in bytes from the start of the block
  *
- * Remainders are stored row by row, x, y and z of each vertex, without gaps, lowest bit first. */
+ * Remainders are stored row by row, x, y and z of each vertex, without gaps. */
 
 CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
-/*! Bits per vertex that the block stores for an axis: the bits of a remainder, or 32 for a float. */
+/*! Stored bits per vertex on an axis: of a remainder, or 32 of a float. */
 CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
-/*! Bits per vertex on all axes together. */
+/*! Stored bits per vertex on all axes. */
 CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
-/*! Offset of a vertex's remainder on an axis, in bits from the start of the block. vertex: index, row by row. */
+/*! Offset of a remainder, in bits from the start of the block. vertex: index, row by row. */
 CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
@@ -298,8 +294,8 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
 
 CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! Adds a remainder to a world coordinate, or returns the float that replaces both. word: contains the remainder in its
- *  lowest bits. bits: remainderBits, not 0. spacing: of the axis. */
+/*! Adds a remainder to a world coordinate, or returns the float that replaces both. word: the remainder, in the lowest
+ *  bits. bits: remainderBits, not 0. */
 CBVH_FUNCTION float addRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -310,25 +306,25 @@ CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) 
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
-/* Distances, in coordinates, by which a group's box exceeds the box of its corners. margins: the group's byte for an
- * axis. shift: marginShift. */
+/* Distances, in coordinates, from the box of a group's corners to its box. margins: the group's byte for an axis.
+ * shift: marginShift. */
 CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
 CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
-/* Accessors of corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
+/* Corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
 CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
 CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
 }
 
-/*! Offsets of the block's sections, in bytes from the start of the block. Groups are stored row by row. */
+/*! Offsets of sections, in bytes from the start of the block. Groups are stored row by row. */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
   uint32_t remainders; //!< the word of remainders, if present
   uint32_t margins;   //!< axis by axis, a byte per group: lower margin in bits 0..3, upper margin in bits 4..7
-  uint32_t words;     //!< lower 16 bits of each group's word
-  uint32_t wordsHigh; //!< upper 8 bits of each group's word
+  uint32_t words;     //!< lower 16 bits per group
+  uint32_t wordsHigh; //!< upper 8 bits per group
   uint32_t cell;      //!< fields of the first cell
   /* vertices of a raw block */
   uint32_t vertices;  //!< x, y, z per vertex, row by row
@@ -357,14 +353,14 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 /* If a patch has more quads along an edge than the edge's rate, Embree stitches its border: several vertices coincide
  * with one vertex of the edge. */
 
-/*! Returns the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate must equal quads
- *  (no vertex moves) or be at most maxVertRate, so that the product fits into 32 bits. */
+/*! Returns the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate must equal quads,
+ *  or be at most maxVertRate, so that the product fits into 32 bits. */
 CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
 
-/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: of the edge on which the
- *  row lies, or `quads` inside the patch. */
+/*! Patch parameter at vertex x of a row or column of `quads` quads, as in GRID. rate: of the row's edge, or `quads`
+ *  inside the patch. */
 CVERT_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
@@ -380,13 +376,13 @@ CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
   return edges;
 }
 
-/*! Numbers as stored after the header. They may only refer to VertTrianglePairs. Requires a block with numbers. */
+/*! Numbers as stored after the header; they may refer to VertTrianglePairs. Requires a block with numbers. */
 CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
-/*! Numbers of the quads, and the distance between the numbers of a quad's triangles, which is 1 if it is not stored.
- *  Requires a block with numbers. */
+/*! Numbers of the quads, and distance between the numbers of a quad's triangles, 1 if not stored. Requires a block with
+ *  numbers. */
 CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
   VertTrianglePairs pairs;
@@ -407,8 +403,8 @@ CBVH_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Returns the primitive that contains the first or second triangle of quad x, y. Requires a block with numbers. Clamps
- *  x and y, because hits of a damaged block may lie outside it. */
+/*! Returns the primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y,
+ *  because hits of a damaged block may lie outside it. */
 CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
   VertTrianglePairs pairs = trianglePairsOf(block);
@@ -457,7 +453,7 @@ inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
 }
 
-/*! Size of the block of the first step in bytes, without VertTrianglePairs, table of numbers, and padding. */
+/*! Size of the first step in bytes, without VertTrianglePairs, table of numbers, and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

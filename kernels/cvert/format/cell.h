@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are known from the level above. The
- * other 21 are predicted by bilinear interpolation, and a bit field stores the residual of each:
+/* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are known: of the block, or from the
+ * first cell. The other 21 are predicted by bilinear interpolation, and a bit field stores the residual of each:
  *
  *     c01--18--19--20--c11      The first cell of a block has the corners of 4 x 4 groups. The cell
  *      13  14  15  16  17       of a group has the vertices of its 4 x 4 quads. If a block ends
@@ -11,9 +11,8 @@
  *     c00---0---1---2--c10
  *
  * Displacement follows a normal, so the three components of a residual are nearly proportional. The component on the
- * cell's main axis is stored as is, the other two minus a slope times the main one. All arithmetic is exact, in
- * integers or floats of 24 bits, fused or not, because coordinates are less than maxExtent. Every ISA and GPU therefore
- * computes the same vertices.
+ * cell's main axis is stored as is, the other two minus a slope times the main one. Coordinates are less than
+ * maxExtent, so all arithmetic is exact, in integers or floats, fused or not, on every ISA and GPU.
  *
  * Word of a cell:
  *
@@ -38,17 +37,17 @@ CVERT_CONSTANT int maxFieldBits = 32; //!< of a field with all three residuals
 CVERT_CONSTANT int maxResidualBits = 15; //!< per axis
 CVERT_CONSTANT int maxSlope = 15;        //!< in 1/16
 
-/*! Exclusive bound of coordinates. Predictions then have 16 bits before the binary point and 8 after it, which floats
- *  represent exactly. */
+/*! Exclusive bound of coordinates. Predictions then have 16 bits before the binary point and 8 after it, exact in
+ *  float. */
 CVERT_CONSTANT int maxExtent = 16384;
 
-/*! Bits of component i of a residual. Component 0 is on the main axis, 1 and 2 are on the next two axes. */
+/*! Bits of component i of a residual: 0 is on the main axis, 1 and 2 are on the next two. */
 CBVH_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) & 15u); }
 CBVH_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
 CBVH_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
 
-/*! Returns (axis + i) modulo 3, for i from 0 to 2. The constant is a table with 2 bits per entry, because a branch
- *  would be mispredicted. Axis 3, in damaged blocks, counts as 0. */
+/*! Returns (axis + i) modulo 3, for i from 0 to 2. A table with 2 bits per entry, because a branch would be
+ *  mispredicted. Axis 3, in damaged blocks, counts as 0. */
 CBVH_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
 
 CBVH_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
@@ -58,7 +57,7 @@ CBVH_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)
 
 CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
-/*! Returns the field of vertex i of row j, or -1 for a corner, which has no field. */
+/*! Returns the field of vertex i of row j, or -1 for a corner. */
 CBVH_FUNCTION int cellField (int i, int j)
 {
   bool corner = (i == 0 || i == 4) && (j == 0 || j == 4);
@@ -66,7 +65,7 @@ CBVH_FUNCTION int cellField (int i, int j)
 }
 
 /*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
- *  quads: number of the cell's quads in this direction. */
+ *  quads: of the cell in this direction. */
 CBVH_FUNCTION int cellWeight (int i, int step, int quads)
 {
   int x = step*i;
@@ -74,10 +73,10 @@ CBVH_FUNCTION int cellWeight (int i, int step, int quads)
   return (32*x + quads)/(2*quads);
 }
 
-/*! True if the residuals are stored as three arrays, one per axis. */
+/*! True if residuals are stored as three arrays. */
 CBVH_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
-/*! Decodes a component of a residual: `bits` bits of a field in two's complement, from bit `shift` on. */
+/*! Decodes a component of a residual: `bits` bits of a field, from bit `shift` on. */
 CBVH_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
 {
   if (bits == 0) return 0;
@@ -85,12 +84,10 @@ CBVH_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
   return (value >> (bits-1)) != 0u ? int(value) - int(1u << bits) : int(value);
 }
 
-/*! Part of a component that its slope predicts, to add to the stored value. main: component on the main axis. Rounds to
- *  nearest, halves up. */
+/*! Part of a component that its slope predicts. main: component on the main axis. Rounds to nearest, halves up. */
 CBVH_FUNCTION int slopeResidual (int slope, int main) { return (slope*main + 8) >> 4; }
 
-/*! Bilinear prediction of a coordinate from the corners' coordinates. weightX, weightY: see cellWeight. Rounds to
- *  nearest, halves up. */
+/*! Bilinear prediction from the corners' coordinates. weightX, weightY: cellWeight. Rounds to nearest, halves up. */
 CBVH_FUNCTION int cellPrediction (int c00, int c10, int c01, int c11, int weightX, int weightY)
 {
   int sum = 16*weightX*(c10-c00) + 16*weightY*(c01-c00) + weightX*weightY*(c11-c10-c01+c00);

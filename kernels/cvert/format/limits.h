@@ -10,14 +10,14 @@
 
 CVERT_BEGIN
 
-/*! Largest rate of an edge (segments into which it is divided), and most quads per side of a patch. As in Embree. */
+/*! Largest rate of an edge, and most quads per side of a patch. As in Embree. */
 CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 
 /*! Blocks begin at multiples of this, in bytes, in memory and in files. */
 CVERT_CONSTANT uint32_t blockAlignment = 16u;
 
-/*! A surface number identifies the surface that a block belongs to. Numbers in files start here; lower ones are for
- *  surfaces that were built in this process. */
+/*! Surface numbers identify the surface of a block. In files they start here; lower ones are of surfaces that this
+ *  process built. */
 CVERT_CONSTANT uint32_t firstFileNumber = 1u << 30;
 
 /*! Bit of the number of a moving surface. */

@@ -1,22 +1,21 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers. It
- * stores meshes that have no rows of quads, and therefore do not fit block.h. docs/formats/mesh_block.md specifies it.
- * Layout:
+/* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers, for
+ * meshes without rows of quads. docs/formats/mesh_block.md specifies it. Layout:
  *
- *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
+ *   header | records of groups | boxes of groups | topology of groups | fields of vertices | primitive numbers
  *
  * Only sizes of groups are stored: offsets in the last three sections are sums over the groups before.
  *
  * A vertex belongs to the first group that uses it; other groups refer to its number in the block. On each axis a
  * vertex is origin + coordinate * spacing, exact in float, with a power of two as spacing. If this needs too many bits,
- * the coordinate is the number of floats between origin and vertex. Vertex fields are relative to the owning group's
- * box. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
+ * the coordinate is a rank, the number of floats from origin to vertex. Fields are coordinates relative to the owning
+ * group's box. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
  *
- * A group's triangles are generalized strips, streams of vertices. Each triangle after the first uses the stream's next
- * vertex and two vertices of the triangle before it: the last one, and the second to last or the first. Bit masks
- * determine each triangle's position in the stream, so triangles are decoded in parallel.
+ * A group's triangles are generalized strips: each triangle after the first uses the next vertex of a stream and two
+ * vertices of the triangle before it, the last one, and the second to last or the first. Bit masks determine the
+ * position of each triangle in the stream, so triangles are decoded in parallel.
  *
  * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
  * Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
@@ -28,7 +27,7 @@
 
 CVERT_BEGIN
 
-/*! Stored where grid blocks store their version: their readers reject mesh blocks as an unknown version. */
+/*! Stored where grid blocks (block.h) store their version, so that their readers reject mesh blocks. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
 /*! Kind of a block, in bits of `counts` and `form` that version 5 reserves. Grid blocks have kind 0. */
@@ -44,12 +43,12 @@ CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
 CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maxMeshGroups*maxGroupVertices
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t minRankShift = 9u;        //!< smallest shift of boxes on an axis that stores ranks
+CVERT_CONSTANT uint32_t minRankShift = 9u;          //!< smallest shift of boxes on an axis of ranks
 
 struct MeshHeader
 {
   float origin[3];        //!< position of coordinates (0,0,0)
-  //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; other bits: 0
+  //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z, or 0 on an axis of ranks; other bits: 0
   uint32_t spacings;
   uint32_t surface;       //!< see limits.h
   uint32_t primID;        //!< base of primitive numbers
@@ -88,11 +87,10 @@ CBVH_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
-/*! True if coordinates on the axis count floats. */
+/*! True if coordinates on the axis are ranks. */
 CBVH_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
-/*! Position of a float in the sequence of all floats from lowest to highest. Neighboring floats differ by 1. 0 has rank
- *  2^31. */
+/*! Position of a float in the sequence of all floats. Neighboring floats differ by 1. 0 has rank 2^31. */
 CBVH_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
@@ -109,7 +107,7 @@ CBVH_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t 
 
 CBVH_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
 
-/*! Slope of axis m+i (i = 1 or 2), in 1/16, where m is the sheared axis. */
+/*! Slope of axis m+i (i = 1 or 2), in 1/16. m: sheared axis. */
 CBVH_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
 /*! Bit of `form`: the primitives are quads with two triangles, (v0,v1,v3) and (v2,v3,v1). A triangle's number is twice
@@ -124,8 +122,8 @@ CBVH_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u && (number & 1u) != 0u;
 }
 
-/*! Amount that the shear adds to the coordinate on the sheared axis m. c1, c2: coordinates on the axes m+1 and m+2.
- *  Rounds to nearest, halves up. */
+/*! Amount that the shear adds to the coordinate on axis m. c1, c2: coordinates on the axes m+1 and m+2. Rounds to
+ *  nearest, halves up. */
 CBVH_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
@@ -147,7 +145,7 @@ CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! Bits that the numbers below `count` need. */
+/*! Bits of an index below `count`. */
 CBVH_FUNCTION uint32_t bitsForIndex (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -155,18 +153,17 @@ CBVH_FUNCTION uint32_t bitsForIndex (uint32_t count)
   return bits;
 }
 
-/*! Vertices in a group's stream: each strip begins with a triangle of three vertices. */
+/*! Vertices in a group's stream: three for the first triangle of a strip, then one per triangle. */
 CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
-/* Topology of a group, in this order, lowest bit first. Triangle 0 starts a strip, and the first three vertices of the
- * stream are new.
+/* Topology of a group, in this order. Triangle 0 starts a strip, and the first three vertices of the stream are new.
  *
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
  *   turns         2 bits per triangle, 0 to 2: how the stream's order is rotated, see stripTriangle
  *   news          a bit per vertex of the stream from 3 on: it is new and gets the group's next number
  *   owns          a bit per vertex of the group: it belongs to the group
- *   repeats       for each vertex of the stream that is not new: its number in the group
+ *   repeats       for each other vertex of the stream: its number in the group
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
@@ -175,7 +172,7 @@ struct MeshTopology
   uint32_t bits;                                               //!< bits of the whole topology
 };
 
-/*! group, record: byte and record of the group. vertices: number of vertices of the block. */
+/*! group, record: see groupTriangles. vertices: of the block. */
 CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
@@ -194,7 +191,7 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
   return at;
 }
 
-/*! Bits of a vertex's field on an axis. extent: stored extent of the group's box on this axis. */
+/*! Bits of a vertex's field on an axis. extent: of the group's box, as stored. */
 CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForIndex((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
@@ -204,7 +201,7 @@ CBVH_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
 
-/*! Offsets of the sections with a fixed size per group, in bytes from the start of the block. */
+/*! Offsets of sections, in bytes from the start of the block. */
 struct MeshLayout
 {
   uint32_t records;
@@ -242,17 +239,17 @@ CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! Positions of a triangle's vertices in the stream, in the order of the application's triangle. */
+/*! Positions of a triangle's vertices in the stream, in the application's order. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! Finds triangle t from the masks alone, without decoding the triangles before it. Bit 0 must be set in restarts and
- *  clear in fans. turn: of triangle t. */
+/*! Finds triangle t without decoding the triangles before it. Bit 0 must be set in restarts and clear in fans. turn: of
+ *  triangle t. */
 CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo);
   uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
-  // last triangle up to t that did not keep the first vertex
+  // last triangle up to t that does not keep the first vertex
   uint32_t lastUnfanned = highestBit((~fans | restarts) & upTo);
   uint32_t first = lastUnfanned + 2u*countBits(restarts & bitsUpTo(lastUnfanned)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
@@ -271,7 +268,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! Accepts blocks of any version. Reads meshHeaderBytes bytes. */
+/*! For blocks of any kind and version. Reads meshHeaderBytes bytes. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];

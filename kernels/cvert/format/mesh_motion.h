@@ -3,17 +3,16 @@
 
 #pragma once
 
-/* A moving mesh block: a mesh block (mesh_block.h) at its first time step, then its other steps.
+/* A moving mesh block: a mesh block (mesh_block.h) of the first time step, then the other steps.
  * docs/formats/mesh_motion.md specifies it.
  *
- *   block of the first step | VertMotion | offsets of steps | step 1 | step 2 | ...
+ *   mesh block | VertMotion | offsets of steps | step 1 | step 2 | ...
  *
  *   step: MeshStep | records of groups | boxes of groups | bases of groups | fields of vertices
  *
- * Triangles and their numbers are the same at all steps. A step's affine map predicts all vertices from their positions
- * at the first step: a small piece of a surface moves nearly as a rigid body. The block stores the differences from
- * true coordinates: a base per group, and a field per vertex. A step needs only the first step, so that decoders do not
- * read the steps between.
+ * Triangles and their numbers are the same at all steps. A step's affine map predicts its vertices from the first step:
+ * a small piece of a surface moves nearly as a rigid body. The step stores the differences of coordinates from their
+ * predictions: a base per group, and a field per vertex.
  *
  * Predictions are computed in double, with the same results on all processors: products of two floats are exact, fused
  * or not, and the order of sums is fixed. Denormal floats count as 0, because processors may flush them. */
@@ -34,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     float origin[3];   //!< as in MeshHeader
     uint32_t spacings; //!< as in MeshHeader
-    float map[3][4];   //!< by axis: factors of x, y and z of the first step, and a summand
+    float map[3][4];   //!< per axis: factors of x, y and z at the first step, and a summand
     uint32_t form;     //!< bits 0..11: shifts of boxes; 12..17, 18..23, 24..29: bits of bases on x, y, z; 30..31: 0
   };
   static_assert(sizeof(MeshStep) == meshStepBytes,"step of a mesh block");
@@ -44,14 +43,14 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline uint32_t stepBaseBits (uint32_t form, uint32_t axis) { return (form >> (12+6*axis)) & 63; }
 
-  /*! Bits of a vertex's field on an axis. record: of the group; its bits 0..4, 5..9 and 10..14 are the numbers for x, y
-   *  and z, where 31 means 32. */
+  /*! Bits of a vertex's field on an axis. record: of the group. Its bits 0..4, 5..9 and 10..14 are those of x, y and z,
+   *  where 31 means 32. */
   inline uint32_t stepFieldBits (uint32_t record, uint32_t axis) {
     const uint32_t bits = (record >> (5*axis)) & 31;
     return bits == 31 ? 32 : bits;
   }
 
-  /*! Offsets of the sections, in bytes from the start of the step. */
+  /*! Offsets of sections, in bytes from the start of the step. */
   struct MeshStepLayout
   {
     uint32_t records, boxes, bases, fields;
@@ -107,8 +106,8 @@ namespace cvert { inline namespace CVERT_ISA
     return ((wideOf(row[0])*wideOf(p[0]) + wideOf(row[1])*wideOf(p[1])) + wideOf(row[2])*wideOf(p[2])) + wideOf(row[3]);
   }
 
-  /*! Converts a predicted world coordinate to a coordinate of the step, modulo 2^32. origin, spacings: of the step.
-   *  Clamps to +-2^30, so that the conversion to an integer is defined. 1.175e-38 is the smallest normal float. */
+  /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
+   *  +-2^30, so that the conversion to an integer is defined. 1.175e-38 is the smallest normal float. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
     if (hasRanks(spacings,axis))

@@ -1,20 +1,20 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A moving block of cVERT: a block at its first time step as in block.h, then all other steps. docs/formats/motion.md
+/* A moving block of cVERT: a block of the first time step (block.h), then all other steps. docs/formats/motion.md
  * specifies it.
  *
- *   block of step 0 with the margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
+ *   block of step 0, with margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
  *
- * A segment is the time between two steps; vertices and planes of boxes are linear in it. Each step has its own
- * lattice, origin, corners and cells. A cell's residuals may be predicted from step 0: details rotate with the surface,
- * so one matrix rotates all residuals of the block, and only the difference is stored.
+ * Vertices and planes of boxes are linear in a segment, the time between two steps. Each step has its own lattice,
+ * origin, corners and cells. Details rotate with the surface: one matrix per step rotates the residuals of step 0, and
+ * cells may store only their difference from these predictions.
  *
  *   step: VertStep | word of remainders | margins of the segment that begins | words of groups |
  *         fields of the first cell | fields of groups | remainders
  *
- * A raw step stores its vertices as floats after VertStep. A segment with a raw end uses the boxes of decoded vertices
- * instead of margins. */
+ * A raw step stores its vertices as floats after VertStep. In a segment with a raw end, boxes are computed from decoded
+ * vertices instead of margins. */
 
 #ifndef CVERT_VERT_MOTION_FORMAT_H
 #define CVERT_VERT_MOTION_FORMAT_H
@@ -30,9 +30,9 @@ CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of corners in a ste
 struct VertStep
 {
   float origin[3];        //!< as in VertHeader
-  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, 3 in bits 12..13 if the step is
-                          //!< raw; 24: has remainders; 25: the first cell is rotated; 26: groups have upper bits of
-                          //!< words; 27: has margins; 28..31: shift of reach
+  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, but 12..13: 3 if the step is
+                          //!< raw; 24: has remainders; 25: the first cell is rotated; 26: words of groups have upper
+                          //!< bits; 27: has margins; 28..31: shift of reach
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
   uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: shift of the matrix; 19..22:
@@ -52,10 +52,10 @@ CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1
 CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
 CBVH_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
-/*! Entries of the matrix are multiples of 2^-rotationShift, which is 1 to 7 in valid blocks. */
+/*! Entries of the matrix are multiples of 2^-rotationShift. 1 to 7 in valid blocks. */
 CBVH_FUNCTION uint32_t rotationShift (uint32_t rotation) { return 7u - ((rotation >> 16) & 7u); }
 
-/*! Entry of the matrix in byte 0 to 3 of a word, signed. */
+/*! Signed entry of the matrix in a byte of a word. */
 CBVH_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
 
 /*! Product of a row of the matrix and a residual. Rounds to nearest, halves up. */
@@ -63,7 +63,7 @@ CBVH_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uin
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
-/*! True if the block exists at this time: from the first step to the last, inclusive. */
+/*! True from the first step to the last, inclusive. */
 CBVH_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
 /*! The segment that contains a time, and the position in it from 0 to 1. Rounds as Embree does. */
@@ -96,13 +96,13 @@ CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fractio
 }
 
 /*! Distance by which planes of boxes must move outwards on an axis between two steps: interpolated vertices, origins
- *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b: the
- *  steps' origins on that axis. extent: the larger extentOfReach of both. */
+ *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b:
+ *  origins of the steps. extent: the larger extentOfReach of both. */
 CBVH_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
-/*! Offsets of the sections, in bytes from the start of the step. As in VertLayout. */
+/*! Offsets of sections, in bytes from the start of the step. As in VertLayout. */
 struct VertStepLayout
 {
   uint32_t remainders;         //!< the word of remainders, if present
@@ -155,7 +155,7 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
                      groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
-/*! Size of a block in bytes, with all steps and the table of numbers, without padding. The block must be valid. */
+/*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const uint32_t form = block->patchQuads;

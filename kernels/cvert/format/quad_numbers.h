@@ -1,21 +1,21 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Primitive numbers of blocks that store a quad mesh, or a triangle mesh whose pairs of triangles form quads. Each quad
- * or triangle of the mesh is a primitive with its own parameters u and v. A block stores its numbers as one of these
- * patterns:
+/* Primitive numbers (primIDs) of blocks of a quad mesh, or of a triangle mesh whose pairs of triangles form quads. Each
+ * quad or triangle of the mesh is a primitive with its own parameters u and v. docs/formats/mesh_numbers.md specifies
+ * the format. Patterns:
  *
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
  *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
- *   table       any order of quads; for each quad: its number minus the lowest
- *   triangles   any order of triangles; for each triangle: its number minus the lowest, and its turn
+ *   table       any order of quads; per quad: its number minus the lowest
+ *   triangles   any order of triangles; per triangle: its number minus the lowest, and its turn
  *
- * Bit 30 of boxForm marks such blocks. VertNumbers follows the header, where other blocks have edges. patchQuads is the
- * form of the numbers, and primID their base.
+ * Bit 30 of boxForm marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the form of the
+ * numbers, and primID their base.
  *
  * The number of a quad of two triangles is the number of its first triangle. The second triangle's number is higher by
- * 1, or by a distance in VertTrianglePairs if the application lists all first triangles before all second ones. A
- * triangle's parameters depend on its turn: the corner with which the application's triangle begins. The form or the
+ * 1, or by VertTrianglePairs::distance, if the application lists all first triangles before all second ones. A
+ * triangle's turn, the corner with which the application's triangle begins, determines its parameters. The form or the
  * table stores turns. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
@@ -27,15 +27,14 @@ CVERT_BEGIN
 
 struct VertNumbers
 {
-  /* rows: differences between neighboring quads along x and along y. recursive: 8 bits for each bit of x and y. tables:
-   * byte offset from the start of the block, and bits per entry. If the block contains VertTrianglePairs, the numbers
-   * after the header are instead their byte offset and 0. */
+  /* rows: differences between neighboring quads along x and y. recursive: 8 bits for each bit of x and y. tables: byte
+   * offset from the start of the block, and bits per entry. With VertTrianglePairs, the numbers after the header are
+   * their byte offset and 0. */
   uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. If the pattern is a table, it
- *  follows this section. */
+/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. A table follows it. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
@@ -64,7 +63,7 @@ CBVH_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { re
 CBVH_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
   : 4)) & 3u; }
 
-/*! Number of quad x, y minus VertHeader::primID. Requires a form without table. */
+/*! Number of quad x, y, minus VertHeader::primID. Requires a form without table. */
 CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
@@ -76,8 +75,7 @@ CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32
   return isTriangleForm(form) && !haveTrianglePairs(form) ? 2u*code : code;
 }
 
-/*! Lowest bits of an entry in a table of triangles that store the turn. 30 bits remain for the number, so all numbers
- *  of such a table are within 2^30 of the lowest one. */
+/*! Lowest bits of an entry in a table of triangles that store the turn. 30 bits remain for the number. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
 CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
@@ -87,7 +85,7 @@ CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
 /*! Size of a table without padding. Readers may read 32 bits after its end. */
 CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
-/*! The primitive that a hit in a quad reports: the quad, or one of its triangles. */
+/*! Primitive that a hit in a quad reports: the quad, or one of its triangles. */
 struct QuadPrimitive
 {
   uint32_t primID;
@@ -97,15 +95,14 @@ struct QuadPrimitive
 /*! Parameters of a point on a primitive of the application. */
 struct PrimitiveParameters { float u, v; };
 
-/*! Converts the position a, b in a quad to parameters of the quad or triangle that the application passed. form: see
- *  QuadPrimitive. */
+/*! Converts position a, b in a quad to parameters of the application's quad or triangle. form: of QuadPrimitive. */
 CBVH_FUNCTION PrimitiveParameters primitiveParameters (uint32_t form, bool isSecond, float a, float b)
 {
   PrimitiveParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleForm(form)) return parameters;
-  // weights of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
+  // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
   uint32_t turn = firstCornerOfTriangle(form,isSecond);

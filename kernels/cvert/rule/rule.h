@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit triangles of cVERT, for single rays, packets, shaders and tests. docs/formats/rays.md
- * specifies it. Its parts, in the order of use:
+/* How rays hit triangles of cVERT: single rays, packets, shaders and tests. docs/formats/rays.md specifies it. In the
+ * order of use:
  *
- *   boxes        by how much boxes are enlarged, because they only cull
+ *   boxes        by how much boxes are enlarged, so that rounding never culls a hit
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
- *   containment  if the line of the ray passes through a triangle: sides, and exact signs if a side rounded to 0
- *   distance     where it does: at the triangle's plane, clamped to the triangle's extent along the ray
- *   nearest hit  if a hit is within the ray and nearer than the previous one, or counts among hits at the same distance
+ *   containment  whether the ray's line passes through a triangle: sides, and exact signs if a side rounded to 0
+ *   distance     of the hit: at the triangle's plane, clamped to the triangle's extent along the ray
+ *   nearest hit  whether a hit counts: within the ray, and nearer than the previous one or preferred to it
  *   parameters   (u,v) of a hit on the face
  *
  * A quad has the triangles of GRID, (00,10,01) and (01,10,11), and five edges:
@@ -19,8 +19,7 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Real is a float, or a vector of floats with a ray or quad per lane. Wide is a double or a vector of doubles, in which
- * products of Reals are exact. In shaders without 64-bit floats Wide is a float, and integers compute exact signs.
+ * Real is a float, or a vector of floats with a ray or quad per lane. See language.h on Wide.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
@@ -34,25 +33,25 @@ CVERT_BEGIN
 
 /* --- boxes --------------------------------------------------------------------------- */
 
-/*! Bound of the total rounding error of sheared vertices, boxes and a ray's distances to them, in units of floatUlp:
- *  1/2 for a difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders, quotients have errors
- *  of up to 2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each distance. */
+/*! Bound of the rounding errors of sheared vertices, boxes and distances to them, in floatUlp: 1/2 for a difference,
+ *  3/2 for a shear, 3 for each of two distances to planes. Shaders divide with errors of up to 2.5 ulps instead of 1/2:
+ *  this adds 2 to the shear and 2 to each distance. */
 #ifdef VULKAN
 CVERT_CONSTANT float slackUlps = 14.0f;
 #else
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! The same for the sheared coordinate (block.h), in which the ray's origin and direction are sums of three terms. */
+/*! The same for the sheared coordinate (block.h), a sum of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
-/*! Distance by which planes on a world axis move outwards. org: the ray's origin on this axis. origin: the block's.
- *  extent: at least the block's extent from its origin, see extentOfReach. */
+/*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: at least
+ *  extentOfReach. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }
 
-/*! Sheared coordinate of a ray's origin, relative to the block's origin, and of its direction. */
+/*! Sheared coordinates of a ray's origin, relative to the block's origin, and of its direction. */
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
@@ -66,7 +65,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the contribution of a world axis. org, dir: the ray on this axis. origin: the block's. shear: shearOf. */
+/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. shear: shearOf. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -80,15 +79,14 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 /*! Distance by which sheared planes move outwards. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! Factor of world axis m+i in the sheared coordinate, where m is the sheared axis. */
+/*! Factor of world axis m+i in the sheared coordinate. */
 CBVH_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
 CVERT_REAL struct RayInterval { Real from, to; };
 
-/*! Clips a ray to the space between two planes. lower, upper: planes relative to the ray's origin. rcp:
- *  directionReciprocal. */
+/*! Clips an interval of the ray to two planes. lower, upper: relative to the ray's origin. rcp: directionReciprocal. */
 CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval) interval, Real lower, Real upper,
                                                             Real rcp)
 {
@@ -100,24 +98,24 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. Without branches, which would often
- *  be mispredicted. */
+/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. x, y, z: magnitudes. Without
+ *  branches, which would be mispredicted. */
 CBVH_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
   return 2*isZ + (isY & (1-isZ));
 }
 
-/*! Side of the ray on which the sheared edge from a to b lies. The edge's other triangle gets the exact negative,
- *  because products commute. Rounding is monotonic: results may round to 0, but never to the wrong sign. */
+/*! Side of the ray on which the sheared edge from a to b lies. The edge's other triangle gets the exact negative.
+ *  Results may round to 0, but never to the wrong sign, because rounding is monotonic. */
 CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 {
   CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // drivers must not fuse the difference
   return side;
 }
 
-/*! True if the ray is on the same side of three edges, or on some of them. Conservative, because a side may have
- *  rounded to 0: never false if the ray passes through the triangle. */
+/*! True if the ray is on the same side of three edges, or on some of them. Never false if the ray passes through the
+ *  triangle, but may be true if a side rounded to 0. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
@@ -139,8 +137,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! True if no side rounded to 0: signs are exact for triangles that satisfy isInside. lesser and greater are nested
- *  differently, because compilers would otherwise generate a branch that is mispredicted. */
+/*! True if no side rounded to 0, for triangles that satisfy isInside. lesser and greater are nested differently,
+ *  because compilers would otherwise generate a branch that is mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides) sides)
 {
   return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
@@ -150,8 +148,7 @@ CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides)
 
 /* --- containment --------------------------------------------------------------------- */
 
-/*! Product of two finite floats, for the exact sign of ax by - ay bx in integers: the product of the mantissas, shifted
- *  until its highest bit is at a fixed position, and the exponent. */
+/*! Exact product of two finite floats in integers: the product of the mantissas, normalized, and the exponent. */
 struct ExactProduct
 {
   int exponent;
@@ -208,7 +205,7 @@ CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
-/*! The same result: in doubles, products of floats are exact. */
+/*! The same: products of floats are exact in double. */
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
@@ -233,7 +230,7 @@ CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, f
 /* --- distance ------------------------------------------------------------------------ */
 
 /*! Vertices of a triangle: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at
- *  most 28. Distances are computed from the plane, because the weights of needles have larger errors. */
+ *  most 28. Distances come from the plane, because the weights of needles have larger errors. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
 /*! Cross product of the edges from the first vertex; 0 for a line. */
@@ -253,8 +250,8 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTr
   return n;
 }
 
-/*! A ray lies in a plane if |n d| is at most this fraction of the sum of |n_k d_k|: vertices of 24 bits do not resolve
- *  smaller angles. */
+/*! A ray lies in a plane if |n d| is at most this fraction of the sum of |n_k d_k| (n: normal, d: direction): vertices
+ *  of 24 bits do not resolve smaller angles. */
 CVERT_CONSTANT float minCosine = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
@@ -285,8 +282,8 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
 /*! Distances of a triangle's nearest and farthest vertex along a ray. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! The arguments are components on the axis on which the direction is largest. z0, z1, z2: of the vertices. Division is
- *  monotonic, so only the lowest and the highest difference are divided. */
+/*! The arguments are components on the axis on which the direction is largest. z0, z1, z2: of the vertices. Divides
+ *  only the lowest and the highest difference, because division is monotonic. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
@@ -301,8 +298,7 @@ CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide
   return lesser(greater(t,span.nearest),span.farthest);
 }
 
-/*! True if the plane determines the distance: the ray does not lie in it, or the distance is within the triangle.
- *  Otherwise the ray may be inside only because vertices are rounded. */
+/*! True if the plane determines the distance: the ray does not lie in it, or the distance is within the triangle. */
 CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneIntersection) at,
   CVERT_OF_WIDE(TriangleSpan) span) {
   return either(at.parallelLimit < magnitude(at.normalDotDir),both(span.nearest <= at.t,at.t <= span.farthest));
@@ -334,7 +330,7 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle)
 }
 
 /*! Distance of the hit of a triangle that the ray's line passes through. A ray in the plane hits where it is nearest to
- *  the longest edge, but not before tnear: otherwise it could leave a closed surface there without a hit. */
+ *  the longest edge, but not before tnear: otherwise it could leave a closed surface without a hit. */
 CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
@@ -352,9 +348,8 @@ CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
 CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
 CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
 
-/*! Decides if a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit. isHitDistance:
- *  tfar is the distance of a cVERT hit. It has then been rounded to float, and the distance is compared as a float,
- *  too. */
+/*! Decides whether a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit.
+ *  isHitDistance: tfar is the distance of a cVERT hit, rounded to float; `exact` is then compared as a float, too. */
 CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
@@ -363,7 +358,7 @@ CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide exact, float tnear, float tfa
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
 
-/*! Identifies a triangle of a scene or an instance, for the order of hits at the same distance. */
+/*! Orders triangles of a scene or an instance that are hit at the same distance. */
 struct TriangleKey
 {
   uint32_t geomID, primID;
@@ -372,8 +367,8 @@ struct TriangleKey
                        //!< + 1 for the second triangle of the quad
 };
 
-/*! True if a hit in triangle a counts instead of a hit in triangle b at the same distance. Results therefore do not
- *  depend on the order in which blocks are tested. */
+/*! True if a hit in a counts instead of a hit in b at the same distance. Makes results independent of the order in
+ *  which blocks are tested. */
 CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
@@ -381,15 +376,14 @@ CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! Corner (column + 2 row) of the quad at a vertex of triangle h of a group. h: 2 (column + 4 row) of the quad in the
- *  group, + 1 for the second triangle. */
+/*! Corner (column + 2 row) of the quad at a vertex of triangle h of a group. h: TriangleKey::triangle modulo 32. */
 CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/* Position in the group of the quad of triangle h. */
+/* Position of triangle h's quad in the group. */
 CBVH_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
 CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
@@ -408,19 +402,18 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
   return position;
 }
 
-/*! Clamps to 0 to 1. The NaN of a sliver, whose sides all rounded to 0, becomes 1/2: the diagonal's middle belongs to
- *  both triangles. */
+/*! Clamps to 0 to 1. NaN, of a sliver whose sides all rounded to 0, becomes 1/2: the diagonal's middle belongs to both
+ *  triangles. */
 CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
-/*! Face parameter at position a (0 to 1) of quad x. quads: of the patch in this direction. corner: face parameter of
- *  the patch's corner, in halves. */
+/*! Face parameter at position a (0 to 1) of quad x. quads: of the patch in this direction. corner: vertCornerU or V. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
   return Real(0.5f*float(corner)) + greater((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
 }
 
-/* First quad, in the patch, of a group. lane: column + 4 row of the group in the block, its lane in SIMD code. */
+/* First quad of a group in the patch. lane: column + 4 row of the group in the block, its lane in SIMD code. */
 CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) {
   return vertFirstX(region) + groupQuads*(lane & 3u);
 }
@@ -436,8 +429,7 @@ CBVH_FUNCTION bool hasStitchedEdge (uint32_t patchQuads, VertEdges edges)
     || vertRate(edges,3) != quadsY;
 }
 
-/*! True if quad (x,y) is next to an edge whose rate is lower than the patch has quads. The parameters of hits in such
- *  a quad are interpolated from those of its vertices. */
+/*! True if quad (x,y) is next to such an edge: its vertices are stitched. */
 CBVH_FUNCTION bool isAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -477,7 +469,7 @@ struct SurfacePoint
   float u, v;
 };
 
-/*! For blocks with numbers of quads. lane: of the group, see firstQuadX. h: triangle, see cornerOfTriangle. */
+/*! For blocks with primitive numbers. lane: see firstQuadX. h: see cornerOfTriangle. */
 CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                                CVERT_AS_FLOAT(QuadPosition) at)
 {
@@ -492,7 +484,7 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
   return point;
 }
 
-/*! For blocks of a patch. */
+/*! For all other blocks. */
 CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                         CVERT_AS_FLOAT(QuadPosition) at)
 {
