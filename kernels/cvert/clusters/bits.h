@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Writes bit fields into zeroed bytes, in any order, lowest bit first. For blocks of DGF, which are filled from both
- * ends. */
+/* Writes bit fields into zeroed bytes, in any order: blocks of DGF are filled from both ends. */
 
 #include "../basics/bits.h"
 #include <cstddef>

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, the input format of DirectX for clusters of triangles: a header of 12
- * bytes, then offsets from its anchor without gaps. Applications pass stored surfaces to a GPU's builder in this
- * format.
+/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, DirectX's input format of clusters of triangles for builders on GPUs: a
+ * header of 12 bytes, then offsets from its anchor without gaps.
  *
  * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With
  * exponent 232 it requires finite vertices: anchor plus offset within +-8,388,607. This holds here, because vertices
@@ -15,7 +14,7 @@
 
 namespace cvert
 {
-  /*! Writes vertices, which must fit (LatticeSpan). order: indices among the points. out: zeros, at least
+  /*! span: of the vertices, which must fit. order: indices of vertices in `points`. out: zeros, at least
    *  compressed1Bytes(count). Returns the size in bytes, a multiple of 4. */
   inline size_t writeCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
                                 uint32_t count, uint8_t* out)

@@ -39,8 +39,8 @@ namespace cvert
     /*! Bits of an index, 3 to 6. highest: largest index of a reused vertex. */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitWidth(highest); }
 
-    /*! True if a block has room. vertexBits: bits per vertex. indices: of the strip. reused: those of them that refer
-     *  to earlier vertices. */
+    /*! True if a block has room. vertexBits: bits per vertex. indices: of the strip. reused: indices of earlier
+     *  vertices. */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
                          uint32_t bitsOfIndex)
     {
@@ -59,8 +59,7 @@ namespace cvert
         hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
     }
 
-    /*! A block with one strip or several. Triangles are rotated so that they begin with the edge that they share with
-     *  the triangle before. */
+    /*! Triangles are rotated to begin with the edge that they share with an earlier one. */
     class Block
     {
     public:

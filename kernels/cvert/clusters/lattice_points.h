@@ -3,11 +3,8 @@
 
 #pragma once
 
-/* Vertices as integers on the coarsest lattice that contains them, for the formats of clusters. A float is an odd
- * number times a power of two. The smallest of these powers is the spacing, so nothing is rounded.
- *
- * COMPRESSED1 and DGF store signed integers of 24 bits plus an offset of up to 16 bits, and spacings from 2^-126 to
- * 2^105. */
+/* Vertices as integers on the coarsest lattice that contains them, for COMPRESSED1 and DGF. Nothing is rounded. These
+ * formats store signed integers of 24 bits plus offsets of up to 16 bits, and spacings from 2^-126 to 2^105. */
 
 #include "bits.h"
 #include <cstring>
@@ -26,8 +23,8 @@ namespace cvert
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
-    /*! Converts columns x rows vertices. stride: vertices per row of the input. Returns false if the formats cannot
-     *  represent the vertices without rounding. */
+    /*! Converts columns x rows vertices. stride: vertices per row of the input. Returns false if the formats would
+     *  round them. */
     bool set (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;

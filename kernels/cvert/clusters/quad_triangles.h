@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Triangles of a rectangle of quads of a decoded part of a surface, as clusters contain them. Neighboring vertices at
- * the same point, as at stitched edges, become one. Triangles without area or with vertices that are not finite are
- * left out. */
+/* Triangles of a rectangle of quads of a decoded part of a surface, for clusters. Neighboring vertices at the same
+ * point, as at stitched edges, become one. Triangles without area or with vertices that are not finite are omitted. */
 
 #include <cstddef>
 #include <cstdint>
@@ -27,8 +26,8 @@ namespace cvert
     uint32_t numVertices, numTriangles;
     uint32_t vertices[maxVertices];             //!< indices of vertices in the rectangle, row by row
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
-    uint32_t triangles[maxTriangles];           //!< numbers of triangles in the part: 2 (quads per row * y + x), plus 1
-                                                //!< for the second triangle of a quad
+    uint32_t triangles[maxTriangles];           //!< indices in the part: 2 (quads per row * y + x), plus 1 for the
+                                                //!< second triangle of a quad
     bool isWhole;                               //!< no vertex or triangle is missing
 
     /*! points: the part's vertices, in rows of `stride`, which must outlive this object. rectangle: in quads of the

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes single vertices of a cVERT block: residuals, coordinates, and positions in world space. Scalar code, shared
- * by CPUs (decoded_block.h) and GPUs. */
+/* Decodes single vertices of a cVERT block: residuals, coordinates, and positions in world space. Scalar code for CPUs
+ * (decoded_block.h) and GPUs. */
 
 #ifndef CVERT_CELL_VERTICES_H
 #define CVERT_CELL_VERTICES_H
@@ -12,7 +12,7 @@
 
 CVERT_BEGIN
 
-/*! A cell (format/cell.h) of a step that is not raw, ready to decode. */
+/*! A cell (format/cell.h) of a step that is not raw. */
 struct CodedCell
 {
   uint32_t word;
@@ -67,7 +67,7 @@ CBVH_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, i
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
-/*! Decodes a residual. Its components are sorted by axis. word, fields: as in CodedCell. */
+/*! Decodes a residual, by axis. word, fields: as in CodedCell. */
 CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
@@ -90,7 +90,7 @@ CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uin
   return axis == 0 ? Int3(r0,r1,r2) : axis == 1 ? Int3(r2,r0,r1) : Int3(r1,r2,r0);
 }
 
-/*! Applies a later step's matrix to a residual of the first step. */
+/*! Applies the step's matrix to a residual of the first step. */
 CBVH_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).matrix[0], b = CVERT_AT(VertStep,step.data).matrix[1];
@@ -103,7 +103,7 @@ CBVH_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
 
 /* --- coordinates ----------------------------------------------------------------------- */
 
-/*! Predictions of a row of vertices. (start + weight*slope) >> 8 equals cellPrediction, with fewer operations. */
+/*! Predictions of a row: (start + weight*slope) >> 8 equals cellPrediction, with fewer operations. */
 struct CellRow { Int3 start, slope; };
 
 CBVH_FUNCTION int weightInCell (int i, int distance, int quads) {
@@ -119,7 +119,7 @@ CBVH_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
   return row;
 }
 
-/*! Coordinates of vertex i of row j, without the rotated residual of moving blocks. data: StepView::data. */
+/*! Coordinates of vertex i of row j, without a rotated residual. data: StepView::data. */
 CBVH_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
@@ -135,7 +135,8 @@ CBVH_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) c
 
 /* --- the world ------------------------------------------------------------------------- */
 
-/*! Index in the block, row by row, of vertex i, j (0 to 4) of a group. Smaller groups repeat their last vertices. */
+/*! Index in the block, row by row, of vertex i, j (0 to 4) of a group. Groups with fewer quads repeat their last
+ *  vertices. */
 CBVH_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;

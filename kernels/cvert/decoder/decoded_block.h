@@ -31,7 +31,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-    /*! Computes the bounds of the finite vertices. Returns false if there are none. */
+    /*! Bounds of the finite vertices. Returns false if there are none. */
     bool bounds(float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
@@ -47,8 +47,8 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! Box of group g in world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative
-     *  to the origin. form, margins: boxForm and margins of the segment that begins or ends with this step. */
+    /*! Box of group g, see BoxPlanes. form, margins: boxForm and margins of the segment that begins or ends with this
+     *  step. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
     }
@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! End of fields and remainders; null for a raw step. */
+    /*! End of the step's fields and remainders; null for a raw step. */
     const uint8_t* end = nullptr;
 
   private:

@@ -13,14 +13,12 @@ namespace cvert { inline namespace CVERT_ISA
   struct DecodedMeshGroup
   {
     uint32_t numTriangles, numVertices;
-    uint32_t vertices[maxGroupVertices];                  //!< numbers of the group's vertices in the block
-    //! by corner, in the application's order; indices into `vertices`
-    uint8_t indices[3][maxGroupTriangles];
+    uint32_t vertices[maxGroupVertices];                  //!< indices of the group's vertices in the block
+    uint8_t indices[3][maxGroupTriangles];                //!< by corner, in the application's order, into `vertices`
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
     uint32_t numbers[maxGroupTriangles];                  //!< see MeshView::number
 
-    /*! Decodes the first step. Reads the header, all records and boxes, the group's topology and numbers, and its
-     *  vertices. */
+    /*! Decodes the first step. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
       : DecodedMeshGroup(view,g,[&](uint32_t v, float out[3]) { view.vertex(v,out); }) {}
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes the boxes of a cVERT block's groups, shared by CPUs and GPUs. */
+/* Decodes boxes of a cVERT block's groups, on CPUs and GPUs. */
 
 #ifndef CVERT_GROUP_PLANES_H
 #define CVERT_GROUP_PLANES_H
@@ -12,7 +12,7 @@
 CVERT_BEGIN
 
 /*! Planes of a box on an axis, in world space. On the sheared axis they bound the sheared coordinate times the spacing,
- *  relative to the origin. */
+ *  relative to the block's origin. */
 struct BoxPlanes { float lower, upper; };
 
 /*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. form: boxForm of

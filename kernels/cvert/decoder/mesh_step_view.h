@@ -17,8 +17,8 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshView& first;
     const MeshStep* const step;
     const MeshStepLayout layout;
-    uint32_t fieldBits[maxMeshGroups][3]; //!< bits per axis of a group's fields
-    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of a group's fields, relative to the section
+    uint32_t fieldBits[maxMeshGroups][3]; //!< bits of a field, by group and axis
+    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of a group's fields in the section
 
     /*! step: from 1 on. */
     MeshStepView (const MeshView& first, uint32_t step) : MeshStepView(first,meshStepOf(first.block,step)) {}
@@ -37,7 +37,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Size of the step in bytes, a multiple of 4. */
     uint32_t bytes () const { return (layout.fields + (fieldBegin[first.groups]+7)/8 + 3) & ~3u; }
 
-    /*! Decodes a vertex. v: number in the block. */
+    /*! v: index in the block. */
     void vertex (uint32_t v, float out[3]) const
     {
       float p[3];
@@ -52,7 +52,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Decodes the box of a group in world space. Boxes of later steps are not sheared. */
+    /*! Box of a group in world space. Boxes of later steps are not sheared. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -69,7 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Base of the coordinates of group g on axis k, modulo 2^32: it is added to predictions and fields. */
+    /*! Base of group g on axis k, modulo 2^32: added to predictions and fields. */
     uint32_t base (uint32_t g, uint32_t k) const
     {
       const uint32_t bits[3] = { stepBaseBits(step->form,0),stepBaseBits(step->form,1),stepBaseBits(step->form,2) };

@@ -21,15 +21,14 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    //! index in the block of each group's first triangle, then the number of triangles
-    uint32_t firstTriangle[maxMeshGroups+1];
-    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for the vertices that belong to the groups
-    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of each group, relative to `topology`
-    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of each group's fields, relative to `vertices`
-    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of each group's numbers, relative to `numbers`
-    uint32_t fieldBits[maxMeshGroups][3];    //!< bits of a field per axis
-    //! sections of the block
-    const uint8_t* topology, * vertices, * numbers;
+    /* By group, then the total. */
+    uint32_t firstTriangle[maxMeshGroups+1]; //!< index in the block
+    uint32_t firstVertex[maxMeshGroups+1];   //!< of the vertices that belong to the group
+    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit, relative to `topology`
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of fields, relative to `vertices`
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit, relative to `numbers`
+    uint32_t fieldBits[maxMeshGroups][3];    //!< bits of a field, by group and axis
+    const uint8_t* topology, * vertices, * numbers; //!< sections
 
     /*! Reads only the header, records and boxes. */
     explicit MeshView (const MeshHeader* block) : block(block), groups(meshGroups(block->counts)),
@@ -91,8 +90,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! Decodes the box of a group in world space. On the sheared axis it bounds the sheared coordinate times the
-     *  spacing, relative to the origin. */
+    /*! Box of a group in world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative
+     *  to the origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)

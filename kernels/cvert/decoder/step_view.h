@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A time step of a cVERT block. Hides that first and later steps have different headers and offsets. A static block has
- * one step. */
+/* A time step of a cVERT block: hides that first and later steps have different headers and offsets. */
 
 #ifndef CVERT_STEP_VIEW_H
 #define CVERT_STEP_VIEW_H
@@ -57,7 +56,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withSpacing(step,offsets.remainders);
 }
 
-/*! number: of the step, 1 to the number of steps minus 1. */
+/*! number: 1 to the number of steps minus 1. */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);

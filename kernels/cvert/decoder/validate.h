@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Validates bytes that may be a cVERT block, for example from a file: sizes, numbers of bits and offsets. Decoders do
- * not check these. Other fields may have any value. */
+/* Validates bytes that may be a cVERT block: sizes, numbers of bits and offsets, which decoders do not check. Other
+ * fields may have any value. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
@@ -12,7 +12,7 @@
 namespace cvert { inline namespace CVERT_ISA
 {
   /*! True if a patch may begin at these face parameters, in halves. Faces with four corners begin at 0. Embree places
-   *  sub-patches of other faces from 1/2 on, two units apart, up to 4 in a row. */
+   *  sub-patches of other faces from 1/2 on, 2 apart, up to 4 in a row. */
   inline bool isPatchCorner(uint32_t u, uint32_t v) {
     return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
   }
@@ -57,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! Checks the main axis and the slopes. word: word of a cell, or boxForm. */
+    /*! Checks axis and slopes. word: of a cell, or boxForm. */
     static bool hasValidSlopes(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
         : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
-    /*! end: receives the end of the step, in bytes from the start of the block. */
+    /*! end: receives the end of the step, in bytes from the start of the block, here and below. */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;

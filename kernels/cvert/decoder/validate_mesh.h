@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Validates bytes that may be a mesh block, for example from a file: counts, sizes and indices. Decoders do not check
- * these. Vertices and numbers may have any value. */
+/* Validates bytes that may be a mesh block: counts, sizes and indices, which decoders do not check. Vertices and
+ * numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "mesh_step_view.h"

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Fits the affine map that predicts a mesh block's vertices at a later time step from the first one, with the least sum
- * of squared distances. Moving mesh blocks store it (format/mesh_motion.h). Products and sums are not fused, so that
- * all instruction sets encode the same bytes. */
+/* Fits the affine map that predicts a mesh block's vertices at a later time step from the first one, by least squares
+ * (format/mesh_motion.h). Products and sums are not fused, so that all instruction sets encode the same bytes. */
 
 #include "../format/mesh_block.h"
 #include <cmath>
@@ -23,8 +22,8 @@ namespace cvert { inline namespace CVERT_ISA
       mean(first,center);
       double s[3][3];
       addProducts(first,center,s);
-      /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If all vertices lie in a plane or on a line,
-       * coordinates on one axis may depend linearly on the axes before it. The map does not use such an axis. */
+      /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If vertices lie in a plane or on a line, an axis may
+       * depend linearly on the axes before it. The map does not use such an axis. */
       const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
       for (int a=0; a<3; a++)
       {
@@ -40,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! later: the same vertices at a later step. map: receives MeshStep::map; its entries are normal floats or 0. */
+    /*! later: the same vertices at a later step. map: receives MeshStep::map. */
     void fit (const float (*later)[3], float map[3][4]) const
     {
       double to[3], s[3][3];
@@ -60,7 +59,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Rounds to a float. Returns 0 for results that are denormal, infinite or NaN. */
+    /*! Rounds to a float. Returns 0 if the result is not normal. */
     static float normalOrZero (double x) {
       return std::fabs(x) >= 1.1754943508222875e-38 && std::fabs(x) < 3.4e38 ? float(x) : 0.0f;
     }

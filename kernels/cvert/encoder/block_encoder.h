@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of a static cVERT block, see format/block.h, and base of motion_encoder.h. Callers may snap vertices
- * to lattices first (lattice.h), which makes blocks smaller. */
+/* Lossless encoder of a static cVERT block (format/block.h), and base of motion_encoder.h. Blocks are smaller if
+ * callers snap vertices to a lattice first (lattice.h). */
 
 #include "box_encoder.h"
 
@@ -17,7 +17,7 @@ namespace cvert { inline namespace CVERT_ISA
     bool raw = false;           //!< the block is raw, or a step of a moving block
   };
 
-  /*! Size of the block, position in its patch, and parameters or numbers of its quads. */
+  /*! Size of the block, position in its patch, and edges or primitive numbers. */
   struct VertPlacement
   {
     uint32_t region, patchQuads;     //!< packRegion(), packPatchQuads()
@@ -36,7 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
   };
 
-  /*! Set `vertices`, then call encode(). An object can encode any number of blocks, by one thread at a time. */
+  /*! Set `vertices`, then call encode(), for any number of blocks, by one thread at a time. */
   class VertEncoder : public BlockVertices
   {
   public:
@@ -44,8 +44,8 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-    /*! Encodes `vertices`. block: at least maxBytes. Returns the size in bytes, a multiple of 4, or 0 if no vertex is
-     *  finite. The caller sets VertHeader::surface and primID. */
+    /*! block: receives the block, at least maxBytes. Adds to `statistics`. Returns the size in bytes, a multiple of 4,
+     *  or 0 if no vertex is finite. The caller sets VertHeader::surface and primID. */
     size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
     {
       setSize(at.region);
@@ -71,8 +71,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   protected:
     /*! Writes everything but boxes. Requires chooseSpacings(). Returns false if a raw block is smaller. Calls
-     *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, and
-     *  then calls onCell again for all cells. */
+     *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell, and again for all cells if it starts over
+     *  with coarser spacings. */
     template<typename OnCell>
     bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
     {
@@ -128,11 +128,11 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* end;             //!< end of the written bytes
     CellEncoder cell;
     BoxEncoder boxes;
-    uint32_t residualBits[3]; //!< bits per axis, summed over groups
+    uint32_t residualBits[3]; //!< per axis, summed over groups
 
   private:
-    /*! Residuals of blocks with remainders keep about this many bits per axis; their other bits become remainders. This
-     *  saves bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
+    /*! In blocks with remainders, bits of residuals beyond this many become remainders: a vertex between groups has a
+     *  residual in each of their cells, but only one remainder. */
     static const int noiseBits = 5;
 
     /*! bits: receives the bits per axis that can move from residuals to remainders. Returns false if there are none. */
@@ -147,7 +147,7 @@ namespace cvert { inline namespace CVERT_ISA
       return any;
     }
 
-    /*! Clears the sections before the first cell's fields, and writes the header except for what depends on
+    /*! Clears the sections before the first cell's fields, and writes the parts of the header that do not depend on
      *  vertices. */
     VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
     {

@@ -6,9 +6,8 @@
 /* Vertices of a cVERT block at a time step, converted to coordinates and remainders of format/block.h. Encoders call
  * bound(), chooseSpacings() and computeCoordinates(), in this order.
  *
- * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least a lattice's
- * spacing, or the last bit of a float. If the block's spacing, also a power of two, is larger than the step, vertices
- * have remainders. */
+ * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices. If the block's
+ * spacing, also a power of two, is larger than the step, vertices have remainders. */
 
 #include "../format/block.h"
 #include "cell_encoder.h"
@@ -34,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
     int exponent[3];                 //!< exponents of the spacings
     uint32_t remainderBits[3];
     float origin[3];
-    int coordinates[3][maxVertices]; //!< by axis, padded with the first one
+    int coordinates[3][maxVertices]; //!< by axis, padded with the first vertex
     uint32_t remainders[3][maxVertices];
 
     void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
@@ -75,19 +74,18 @@ namespace cvert { inline namespace CVERT_ISA
     bool chooseSpacings ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
-      int size = minSpacingExponent; // exponent of a power of two above all extents
+      int size = minSpacingExponent; // 2^size exceeds all extents
       for (int k=0; k<3; k++) {
         const double span = double(upper[k])-double(lower[k]);
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      // min: if all vertices are 0 on an axis, any power of two divides them
+      // min: any power of two divides vertices that are all 0 on an axis
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }
 
-    /*! Multiplies spacings by 2^bits: residuals become shorter, remainders longer. False if a spacing would be too
-     *  large. */
+    /*! Multiplies spacings by 2^bits: residuals become shorter, remainders longer. False if a spacing is too large. */
     bool coarsen (const int bits[3])
     {
       for (int k=0; k<3; k++) exponent[k] += bits[k];
@@ -114,8 +112,8 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) computeWithRemainders(k);
     }
 
-    /*! Copies an axis of a cell's 5 x 5 vertices, padded with the last one. step: quads between them. Repeats the last
-     *  column and row of the block in cells that extend beyond it. */
+    /*! Copies an axis of a cell's 5 x 5 vertices, padded with the last one. step: quads between them. Repeats the
+     *  block's last column and row in cells that extend beyond it. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)
@@ -134,12 +132,11 @@ namespace cvert { inline namespace CVERT_ISA
         for (int k=0; k<3; k++) out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN;
     }
 
-    /*! Stores the format's version in free bits of corners. */
     static void writeVersion (uint32_t corners[6]) {
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Writes origin, spacings and corners into a header, whose bits must be 0. */
+    /*! Writes origin, spacings and corners into the zeroed members of a header. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -152,8 +149,8 @@ namespace cvert { inline namespace CVERT_ISA
             << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! Writes the remainders, and returns their end. offset: of `out` from the start of the block or step, in bytes.
-     *  word: receives the word of remainders. */
+    /*! Writes the remainders, and returns their end. offset: byte offset of `out` in the block or step. word: receives
+     *  the word of remainders. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
       word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
@@ -165,11 +162,11 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! If the vertices of an axis are stored as floats, coordinates serve only boxes. They are then less than
-     *  2^(unitsOfFloats+1), so that they need few bits. */
+    /*! On an axis stored as floats, coordinates serve only boxes. They are less than 2^(unitsOfFloats+1), so that they
+     *  need few bits. */
     static const int unitsOfFloats = 6;
 
-    /*! findSteps scales an axis to integers of at most this many bits and a sign. Their differences fit into an int. */
+    /*! findSteps scales an axis to integers of at most this many bits and a sign. Differences fit into an int. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponents of the steps
@@ -182,7 +179,7 @@ namespace cvert { inline namespace CVERT_ISA
       return int((bits >> 23) & 255u) - 127;
     }
 
-    /*! Scales each axis to integers. If this is exact, the lowest bit in which any two of them differ is the step. */
+    /*! Scales each axis to integers. If this is exact, the step is the lowest bit in which any two of them differ. */
     void findSteps ()
     {
       Float4 scale[3], unit[3];
@@ -218,8 +215,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Exponent of the lowest set bit of x, which must not be 0. Returns less than minSpacingExponent for denormals,
-     *  which readers may treat as 0. */
+    /*! Exponent of the lowest set bit of x, which must not be 0. Less than minSpacingExponent for denormals, which
+     *  readers may treat as 0. */
     static int lowestBit (float x)
     {
       uint32_t bits;
@@ -228,8 +225,7 @@ namespace cvert { inline namespace CVERT_ISA
       return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
     }
 
-    /*! Finds the step from the bits of the floats, if vertices are equal on the axis or are no integers in
-     *  findSteps. */
+    /*! Finds the step from the bits of the floats. */
     void findStepOfFloats (int k)
     {
       step[k] = maxSpacingExponent;
@@ -240,8 +236,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits);
     }
 
-    /*! Smallest spacing for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings
-     *  outside the vertices, are exact in float. */
+    /*! Smallest spacing with coordinates of at most 14 bits, and planes of boxes that are exact in float, up to
+     *  maxExtent spacings outside the vertices. */
     int leastExponent (int k) const
     {
       const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encodes the boxes of a cVERT block: margins of groups, in a shear that makes groups flat. Boxes of a moving block's
- * segment are valid at both ends. */
+/* Encodes the boxes of a cVERT block: margins of groups, in a shear that makes groups flat. The boxes of a segment of a
+ * moving block bound its vertices at both ends. */
 
 #include "block_vertices.h"
 
@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class BoxEncoder
   {
   public:
-    /*! Chooses the shear. first: the block at the segment's beginning. second: the block at its end, if it moves. */
+    /*! Chooses the shear. first, second: the block at the segment's beginning, and at its end if it moves. */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -57,7 +57,8 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Returns the bounds at an end as VertHeader::reach, in the smallest possible units of 2^shift coordinates. */
+    /*! Returns the bounds at an end as VertHeader::reach, in the smallest possible units. shift: receives the exponent
+     *  of VertHeader's reachStep. */
     uint32_t encodeReach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];
@@ -100,7 +101,7 @@ namespace cvert { inline namespace CVERT_ISA
       int below, above;  //!< upper bounds of what remainders subtract and add
       int at[BlockVertices::maxVertices];
 
-      /*! Computes the heights. Returns false if decoders, which compute in float, would have to round. */
+      /*! Returns false if decoders, which compute in float, would have to round. */
       bool set (const BlockVertices& block, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
@@ -221,7 +222,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sheared < unshearedSum ? shear : unsheared;
     }
 
-    /*! Adds a multiple of the quads' mean normal: twice the area that the block's outline encloses, per axis. */
+    /*! Adds a multiple of the quads' mean normal: twice the vector area that the block's outline encloses. */
     static void addNormals (const BlockVertices& block, double sum[3])
     {
       const uint32_t width = block.width;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes a cell (format/cell.h): predicts its vertices from the corners, and packs the residuals. */
+/* Encodes a cell (format/cell.h). */
 
 #include "../format/cell.h"
 #include "../basics/bits.h"
@@ -22,8 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
   class CellEncoder
   {
   public:
-    /*! Coordinates by axis, row by row, from 0 to maxExtent-1. The caller repeats the last vertex up to whole
-     *  vectors. */
+    /*! Coordinates by axis, row by row, from 0 to maxExtent-1, padded with the last vertex. */
     int vertices[3][paddedVertices];
 
     int residuals[3][paddedVertices]; //!< by axis; set by predict(), modified by encode()
@@ -46,13 +45,11 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Chooses main axis and slopes, and sets `word`. If residuals have too many bits, sets `excess` and returns
-     *  false. */
+    /*! Sets `word`. If residuals have too many bits, sets `excess` and returns false. */
     bool encode ()
     {
       float squares[3], others[3];
       sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
-      // the axis with the largest residuals
       const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2;
       int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
       sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
@@ -65,7 +62,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! encode() without main axis and slopes, for differences that remain after the prediction from another step. */
+    /*! encode() without main axis and slopes, for differences from rotated residuals. */
     bool encodeWithoutSlopes ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
@@ -114,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Skipped if the previous call computed the same: most cells of a block have equal weights. */
+    /*! Reuses the weights of the previous call if they are the same, as for most cells of a block. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };
@@ -131,13 +128,13 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! cellWeight, which divides only for inner vertices. */
+    /*! cellWeight, but divides only for inner vertices. */
     static int weight (int i, int step, int quads) {
       return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
     }
 
-    /*! sums: receives the sums of a*b, c*d and e*f over the vertices. Adds in the order of the vertices, so that all
-     *  instruction sets return the same. */
+    /*! sums: receives the sums of a*b, c*d and e*f over the vertices, added in the order of the vertices, so that all
+     *  instruction sets encode the same. */
     static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
                              float sums[3])
     {
@@ -168,9 +165,8 @@ namespace cvert { inline namespace CVERT_ISA
       return bits ? 33-__builtin_clz(unsigned(bits)) : reduceOr(any) ? 1 : 0;
     }
 
-    /*! Subtracts the part of a component r that the best slope predicts, if this saves bits. Returns the slope or 0.
-     *  main: component on the main axis. squares, products: sums of main*main and main*r. bits: receives the bits of
-     *  r. */
+    /*! Subtracts from component r what the best slope predicts, if this saves bits. Returns the slope or 0. main:
+     *  component on the main axis. squares, products: sums of main*main and main*r. bits: receives the bits of r. */
     static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices],
                             int& bits)
     {
@@ -190,6 +186,6 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     int weightX[paddedVertices], weightY[paddedVertices]; //!< weights of upper corners, in 1/16
-    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step for which the weights were computed
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< their quads and step
   };
 }}

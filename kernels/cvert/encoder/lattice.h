@@ -5,9 +5,7 @@
 
 /* Lattices to which vertices are snapped before they are encoded: all multiples of 2^exponent on the world axes. A
  * lattice contains every coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of
- * them.
- *
- * Snapping is exact. Where floats are coarser than the lattice, every float is a point of it. */
+ * them. Where floats are coarser than the lattice, every float is a point of it. */
 
 #include "../basics/lanes.h"
 #include "../basics/language.h"
@@ -22,28 +20,28 @@ namespace cvert { inline namespace CVERT_ISA
    *  may reduce it. */
   static constexpr double spacingPerEdge = 1.0/36;
 
-  /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture, and consist mostly of
-   *  headers. */
+  /*! Faces with fewer quads along an edge have a proportionally finer spacing: they are as large in a picture, and
+   *  consist mostly of headers. */
   static constexpr unsigned fullSpacingQuads = 16;
 
   /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
-   *  geometry. Matters for objects of few, large quads. */
+   *  geometry. For objects of few, large quads. */
   static constexpr double spacingPerDiagonal = 1.0/32768;
 
   /*! Lower bound of the spacing by the diagonal, as a fraction of the edge: residuals must fit into a cell. */
   static constexpr double minSpacingPerEdge = 1.0/96;
 
-  /*! Spacing for an application's grids, as a fraction of an edge. Rays that start 1/200 of an edge above the
-   *  application's vertices also start above the stored surface, on slopes of up to 45 degrees. */
+  /*! Spacing for an application's grids. On slopes of up to 45 degrees, rays that start 1/200 of an edge above the
+   *  application's vertices also start above the stored surface. */
   static constexpr double spacingPerGridEdge = 1.0/512;
 
-  /*! Spacing for quads and triangles, as a fraction of an edge. Renderers shade points on their own triangles, on which
-   *  a stored surface slightly in front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing
-   *  light that become darker by more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
+  /*! Spacing for quads and triangles. Renderers shade points on their own triangles, on which a stored surface slightly
+   *  in front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing light that become darker by
+   *  more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
   static constexpr double spacingPerMeshEdge = 1.0/2048;
 
-  /*! Default spacing of a face of a cage. median: median edge length along u or v. quads: number of quads in this
-   *  direction. diagonal: of the geometry's bounds. */
+  /*! Default spacing of a face of a cage. median: edge length along u or v. quads: in this direction. diagonal: of the
+   *  geometry's bounds. */
   inline double defaultSpacing(double median, unsigned quads, double diagonal)
   {
     if (quads < fullSpacingQuads) return median*spacingPerEdge*quads/fullSpacingQuads;
@@ -56,8 +54,8 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Exponents of lattices. The reciprocals of these spacings are normal floats. */
   static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
-  /*! Exponent that stands for not moving vertices. Less than all others, because shared vertices use the coarsest
-   *  lattice of their faces. */
+  /*! Means that vertices do not move. Less than all other exponents, because shared vertices use the coarsest lattice
+   *  of their faces. */
   static constexpr int exactLattice = -126;
 
   struct WorldLattice
@@ -85,13 +83,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Exponent of a spacing, rounded down to a power of two and clamped to valid exponents. */
+  /*! Exponent of a spacing, rounded down and clamped to valid exponents. */
   inline int latticeExponent(double spacing) {
     return spacing > 0 ? std::min(std::max(std::ilogb(spacing),minLatticeExponent),maxLatticeExponent)
                        : minLatticeExponent;
   }
 
-  /*! Lengths of quad edges along three lines of a face's vertices, from which the face's spacing is chosen. */
+  /*! Lengths of quad edges along three lines of a face's vertices, to choose the face's spacing. */
   class EdgeSample
   {
   public:

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Encodes a triangle mesh as mesh blocks: snaps vertices, clusters the triangles, and omits those that no ray can
- * hit. */
+/* Encodes a triangle mesh as mesh blocks: snaps vertices, clusters triangles, and omits those that no ray can hit. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -25,9 +24,9 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< lattice of multiples of 2^exponent; exactLattice moves no vertex
+    int exponent = exactLattice;  //!< of the lattice; exactLattice moves no vertex
     uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
-    uint32_t surface = 0;         //!< surface number for the headers of the blocks (format/limits.h)
+    uint32_t surface = 0;         //!< surface number of the blocks (format/limits.h)
   };
 
   struct MeshReport
@@ -35,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
     size_t degenerateTriangles = 0; //!< omitted because they have no area
-    size_t finerVertices = 0;       //!< distinct positions that use a finer lattice, or do not move (mesh_lattice.h)
+    size_t finerVertices = 0;       //!< exceptions of MeshLattice
   };
 
   class MeshBlocks
@@ -44,7 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
     explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
       encoder(new MeshEncoder) {}
 
-    /*! Calls onBlock(const MeshHeader*) for each block. The block is valid during the call. A triangle's number is its
+    /*! Calls onBlock(const MeshHeader*) for each block, which is valid during the call. A triangle's number is its
      *  index in `mesh`. Uses 16 temporary bytes per triangle. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
@@ -93,8 +92,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Assigns vertices to finer lattices until snapping flips no triangle. Repeats, because a vertex that snaps
-     *  elsewhere may flip its other triangles. */
+    /*! Assigns vertices to finer lattices until snapping flips no triangle. Repeats, because a vertex that moves may
+     *  flip its other triangles. */
     void refineUntilNoneFlips (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, one per mesh block, and these into groups, recursively by the surface
- * area heuristic: each division minimizes the sum over both parts of surface area times cost, where the cost of a part
- * is the number of clusters or groups that it needs. Parts of more than 512 triangles are divided at borders of bins,
- * smaller ones at the best of all positions in the order of centers on an axis. Bounds have 16 bits per plane, and sums
- * are exact integers, so that all processors find the same clusters. */
+/* Splits triangles into clusters of up to 256, one per mesh block, and these into groups, recursively by the surface
+ * area heuristic: a split minimizes the sum over both parts of surface area times cost, the number of clusters or
+ * groups that a part needs. Parts of more than 512 triangles are split at borders of bins, smaller ones at the best of
+ * all positions in the order of centers on an axis. Bounds have 16 bits per plane, and sums are exact integers, so that
+ * all processors find the same clusters. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -41,12 +41,12 @@ namespace cvert { inline namespace CVERT_ISA
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         batch(new Batch) {}
 
-    /*! split() applies splitOnce() to larger parts. Threads can split both results concurrently, each with its own
+    /*! split() applies splitOnce() to larger parts. Threads can split both halves concurrently, each with its own
      *  object. */
     static const size_t batchTriangles = 4096;
 
     /*! Reorders triangles and calls onCluster(triangles,groups) for each cluster, in order. boundsOf(index,lower,upper)
-     *  sets the bounds of a triangle. depth: number of divisions by splitOnce() that lead to these triangles. */
+     *  sets the bounds of a triangle. depth: previous calls of splitOnce() for these triangles. */
     template<typename BoundsOf, typename OnCluster>
     void split (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
       uint32_t depth = 0)
@@ -93,11 +93,11 @@ namespace cvert { inline namespace CVERT_ISA
     static const uint32_t bins = 32;                //!< per axis
     static const size_t sortedItems = 512;          //!< parts of up to this many triangles are sorted instead of binned
 
-    /*! Bounds in positions of a Quantizer. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a
-     *  minimum extends both. */
+    /*! Quantized bounds. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum extends both.
+     *  */
     typedef uint16_t Lanes __attribute__((vector_size(16)));
 
-    /*! A triangle. Lane 3: index in Batch::centers; 7: 1 on the right side of a division, see splitSortedOnce. */
+    /*! A triangle. Lane 3: index in Batch::centers; 7: 1 on the right side of a split, see splitSortedOnce. */
     struct Item
     {
       Lanes lanes;
@@ -127,14 +127,14 @@ namespace cvert { inline namespace CVERT_ISA
     {
       Item items[batchTriangles];
       MeshCenter centers[batchTriangles];
-      /* For up to sortedItems consecutive items. Items are numbered from the first of them. */
+      /* For up to sortedItems consecutive items; indices are relative to the first of them. */
       uint16_t order[3][sortedItems]; //!< items sorted by center on each axis
       uint16_t spare[sortedItems];    //!< temporary, for sorting
-      uint64_t areas[sortedItems];    //!< area of the bounds of all items from a position on
+      uint64_t areas[sortedItems];    //!< of the bounds of all items from a position on
     };
 
-    /*! Converts world coordinates to positions of 16 bits. The centers of all items lie from 8192 to 8192 + 49152; the
-     *  bounds of triangles outside of this range are clamped. */
+    /*! Converts world coordinates to 16 bits. Centers of items lie from 8192 to 8192 + 49152; bounds beyond 16 bits are
+     *  clamped. */
     struct Quantizer
     {
       float lower[3], scale;
@@ -182,7 +182,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     /* --- many items --- */
 
-    /*! Items whose center on the axis is below `begin` become the left part. */
+    /*! Items with Item::center less than `begin` become the left part. */
     struct BinSplit
     {
       bool isPresent;
@@ -190,7 +190,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t begin;
     };
 
-    /*! Finds the division at a border of bins with the least cost. perItem: triangles that an item represents. */
+    /*! Finds the split with the least cost at a border of bins. perItem: triangles that an item represents. */
     BinSplit chooseBinSplit (size_t first, size_t count, size_t perItem)
     {
       Item* const items = batch->items+first;
@@ -232,11 +232,11 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! Number of groups or clusters of `unit` triangles that `count` triangles need. unit: a power of two, because a
-     *  division would take longer than everything else at a position. */
+    /*! Groups or clusters of `unit` triangles that `count` triangles need. unit: a power of two, because a division
+     *  would take longer than everything else at a position. */
     static uint64_t unitsFor (size_t count, uint32_t unit) { return (count+unit-1) >> __builtin_ctz(unit); }
 
-    /*! Moves the items that isLeft accepts to the front, and returns their number. */
+    /*! Moves items for which isLeft is true to the front, and returns their number. */
     template<typename T, typename IsLeft>
     static size_t partition (T* items, size_t count, const IsLeft& isLeft)
     {
@@ -251,8 +251,8 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(to-items);
     }
 
-    /*! first: first item of the part. onCluster(first,begin,end,groups): the items of the cluster are those from begin
-     *  to end in batch->order. */
+    /*! first: first item of the part. onCluster(first,begin,end,groups): receives a cluster, positions begin to end in
+     *  batch->order. */
     template<typename OnCluster>
     void splitBinned (size_t first, size_t count, const OnCluster& onCluster)
     {
@@ -291,7 +291,7 @@ namespace cvert { inline namespace CVERT_ISA
       splitSorted(first,middle,end,onCluster);
     }
 
-    /*! Divides a cluster into groups. cluster: position at which the cluster begins. most: maximum number of groups. */
+    /*! Splits a cluster into at most `most` groups. cluster: position at which it begins. */
     void splitGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
     {
       const uint32_t count = end-begin;
@@ -303,8 +303,8 @@ namespace cvert { inline namespace CVERT_ISA
       splitGroups(first,begin+left,end,cluster,most-mostOfLeft,groups);
     }
 
-    /*! Divides into two parts that need at most `most` units of `unit` triangles together. Sorts batch->order so that
-     *  the left part comes first on each axis. Returns the size of the left part. */
+    /*! Splits into two parts that need at most `most` units of `unit` triangles together. Sorts batch->order so that
+     *  the left part comes first on each axis. Returns its size. */
     uint32_t splitSortedOnce (size_t first, uint32_t begin, uint32_t end, uint32_t unit, uint32_t most)
     {
       Item* const items = batch->items+first;

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Lossless encoder of a mesh block, see format/mesh_block.h. Callers may snap corners to a lattice first
- * (mesh_lattice.h). Only -0 may become 0. Equal corners become one vertex.
+/* Lossless encoder of a mesh block (format/mesh_block.h), except that -0 may become 0. Callers may snap corners to a
+ * lattice first (mesh_lattice.h). Equal corners become one vertex.
  *
- * The spacing on an axis is the largest power of two that divides all vertices. The axis stores ranks of floats
- * (rankOfFloat) instead if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
+ * The spacing on an axis is the largest power of two that divides all vertices. The axis stores ranks (rankOfFloat) if
+ * coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_clusters.h"
@@ -36,15 +36,15 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshEncoder
   {
   public:
-    /*! Upper bound of a block's size: header, records and boxes need up to 184 bytes, topology 1328, vertices 12*496,
-     *  and numbers 1088. */
+    /*! Upper bound of a block's size: 184 bytes of header, records and boxes, 1328 of topology, 12*496 of vertices,
+     *  1088 of numbers. */
     static constexpr size_t maxBytes = 9216;
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
-    /*! Encodes as many triangles as fit into a block. ends: for each group, the index of its last triangle plus 1;
-     *  groups with too many triangles, vertices or strips are divided. stored: receives the number of triangles. block:
-     *  maxBytes, aligned to 4. Returns the size in bytes, a multiple of 4. */
+    /*! Encodes as many triangles as fit into a block. ends: see MeshGroups; groups with too many triangles, vertices or
+     *  strips are divided. stored: receives the number of encoded triangles. block: maxBytes, aligned to 4. Returns the
+     *  size in bytes, a multiple of 4. */
     size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
       uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
     {
@@ -59,8 +59,8 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
-    /*! Encodes a cluster of MeshClusters. Calls onBlock(bytes,first,count) for each block; there are several if groups
-     *  were divided. areHalvesOfQuads: both consecutive triangles of a quad stay in one block. */
+    /*! Encodes a cluster of MeshClusters. Calls onBlock(bytes,first,count) for each block: several if groups were
+     *  divided. areHalvesOfQuads: both consecutive triangles of a quad stay in one block. */
     template<typename OnBlock>
     void encodeCluster (const MeshTriangle* triangles, const MeshGroups& groups, bool areHalvesOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
@@ -89,14 +89,14 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint32_t triangles, vertices, owned, restarts, repeats, others, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
-      uint64_t newMask;                                        //!< bit per entry of the stream: the vertex is new
+      uint64_t newMask;                                        //!< a bit per entry of the stream
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
-      uint16_t numbers[maxGroupVertices];                      //!< numbers of the vertices in the block
+      uint16_t numbers[maxGroupVertices];                      //!< vertices, as indices in the block
       uint32_t triangleNumbers[maxGroupTriangles];
       uint32_t lower[3], extent[3];                            //!< box of the group
     };
 
-    static const uint32_t slotCount = 2048; //!< of the hash table of corners; 2^11, see findCorner
+    static const uint32_t slotCount = 2048; //!< of the hash table of corners; 11 bits, see findCorner
     static const uint16_t noNumber = 0xFFFF;
 
     void begin ()
@@ -105,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
     }
 
-    /*! Returns the corner of this block at a position. Adds it if it is new. */
+    /*! Returns the corner at a position. Adds it if it is new. */
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
@@ -144,7 +144,7 @@ namespace cvert { inline namespace CVERT_ISA
       return corner;
     }
 
-    /*! Adds a group of up to `count` triangles. Adds fewer if they have too many vertices or strips. */
+    /*! Adds a group of up to `count` triangles, fewer if they have too many vertices or strips. */
     void addGroup (const MeshTriangle* triangles, uint32_t count)
     {
       uint8_t local[maxGroupTriangles][3];
@@ -269,14 +269,14 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! Shift of boxes, whose planes have 8 bits. most: largest coordinate. */
+    /*! Shift of boxes. most: largest coordinate. */
     static uint32_t shiftOf (uint32_t most, bool ranked)
     {
       const uint32_t bits = bitWidth(most), least = ranked ? minRankShift : 0;
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int maxUnrankedBits = 18;   //!< with up to this many bits per coordinate, ranks are not tried
+    static const int maxUnrankedBits = 18;   //!< ranks are only tried if coordinates have more bits
 
     /*! Shears an axis if that shortens its fields. */
     void chooseShear ()
@@ -294,7 +294,7 @@ namespace cvert { inline namespace CVERT_ISA
         s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
       }
       s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
-      // chooses the axis on which a plane (least squares) explains most of the variance, and at least half
+      // the axis on which a plane (least squares) explains most of the variance, and at least half
       double best = 0.5;
       for (int m=0; m<3; m++)
       {
@@ -328,7 +328,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
 
-    /*! Computes the boxes of groups in units of 2^shift, rounded outwards by decoders. */
+    /*! Computes the boxes of groups in units of 2^shift. */
     void bound ()
     {
       for (int k=0; k<3; k++)
@@ -440,7 +440,7 @@ namespace cvert { inline namespace CVERT_ISA
       return header.bytes;
     }
 
-    /*! A slot is empty unless its epoch is the current one, so that the table need not be cleared for each block. */
+    /*! Empty unless its epoch is the current one, so that blocks need not clear the table. */
     struct Slot { uint32_t epoch, corner; };
     Slot slots[slotCount];
     uint32_t epoch = 0, attempt = 0;
@@ -449,7 +449,7 @@ namespace cvert { inline namespace CVERT_ISA
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
     uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< number of each corner as a vertex of the block
     uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt to add a group with the corner
-    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< number of the corner in that attempt
+    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< its index in that attempt
     /*! IDs of corners of triangles from idsBegin on; null if positions identify vertices. */
     const uint32_t (*ids)[3] = nullptr;
     const MeshTriangle* idsBegin = nullptr;

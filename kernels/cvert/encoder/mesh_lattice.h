@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A mesh's lattice, and its exceptions. If snapping to the nearest point flips or flattens a triangle, its vertices
- * become exceptions, which snap to a finer lattice or do not move. Exceptions are stored by position: all triangles and
- * blocks with a vertex agree, so the surface remains watertight even if vertices are not welded. */
+/* A mesh's lattice, and its exceptions. If snapping flips or flattens a triangle, its vertices become exceptions, which
+ * snap to a finer lattice or do not move. Exceptions are stored by position, so that all triangles and blocks agree:
+ * the surface remains watertight even if vertices are not welded. */
 
 #include "../basics/world.h"
 #include "lattice.h"
@@ -44,7 +44,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t level;    //!< 0: empty
     };
 
-    /*! Returns the entry of a position, or the empty one that it can use. */
+    /*! Returns the entry of a position, or an empty one for it. */
     size_t find (const MeshPosition& position, uint32_t hash) const
     {
       size_t i = size_t(uint64_t(hash)*entries.size() >> 32);
@@ -86,8 +86,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     void snap (const float p[3], float out[3]) const { snap(levelOf(p),p,out); }
 
-    /*! True if a triangle has area and its normal turns by less than 90 degrees wherever its corners snap to.
-     *  Conservative: false for some such triangles. */
+    /*! True if a triangle has area and its normal turns by less than 90 degrees wherever its corners snap to. May be
+     *  false for such triangles. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -102,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
-     *  Returns true for new exceptions; other triangles must then be checked again. */
+     *  Returns true for new exceptions: other triangles must then be checked again. */
     bool refine (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
@@ -177,6 +177,6 @@ namespace cvert { inline namespace CVERT_ISA
     const WorldLattice lattices[3];
     const bool isExact;
     MeshExceptions exceptions;
-    uint32_t filter[2048];     //!< bit i: an exception has i in the upper 16 bits of its hash; avoids most look-ups
+    uint32_t filter[2048];     //!< bit i: an exception has i in the upper 16 bits of its hash; avoids look-ups
   };
 }}

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of moving mesh blocks, see format/mesh_motion.h. The first step is a mesh block. IDs identify
- * vertices, which can have the same position at one step and not at another. */
+/* Lossless encoder of moving mesh blocks, see format/mesh_motion.h. IDs identify vertices, because vertices may
+ * coincide at some steps only. */
 
 #include "../format/mesh_motion.h"
 #include "affine_fit.h"
@@ -32,9 +32,9 @@ namespace cvert { inline namespace CVERT_ISA
       return MeshEncoder::maxBytes + sizeof(VertMotion) + (numSteps-1)*(sizeof(uint32_t) + maxStepBytes);
     }
 
-    /*! locate(step,id,out): sets `out` to a vertex's position at a later step, which must be finite. Called once for
-     *  each step and vertex of a block, before onBlock. onBlock: see MeshEncoder::encodeCluster. block: maxBytes,
-     *  aligned to 4. */
+    /*! locate(step,id,out): sets `out` to a vertex's position at a later step, which must be finite. Called once per
+     *  step and vertex of a block, before onBlock. onBlock: see MeshEncoder::encodeCluster. block: maxBytes, aligned to
+     *  4. */
     template<typename Locate, typename OnBlock>
     void encodeCluster (const MovingCluster& cluster, uint8_t* block, MeshStatistics& statistics,
       const Locate& locate, const OnBlock& onBlock)
@@ -50,7 +50,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Upper bound of a step: header, records, boxes, bases, fields, and rounding up to whole bytes and words. */
+    /*! Upper bound of a step's size: header, records, boxes, bases, fields, padding. */
     static constexpr size_t maxStepBytes =
       meshStepBytes + (meshStepRecordBytes+meshBoxBytes+12)*maxMeshGroups + 12*maxMeshVertices + 16;
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Orders the triangles of a group as generalized strips, see format/mesh_block.h. Greedy: continues with the triangle
- * that has the fewest neighbors that are in no strip yet. */
+/* Orders the triangles of a group as generalized strips, see format/mesh_block.h. Greedy: the next triangle is
+ * the one with the fewest neighbors in no strip. */
 
 #include "../format/mesh_block.h"
 #include <cstring>
@@ -36,9 +36,9 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     const uint8_t (*corners)[3];
     uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle, by vertex
-    uint32_t left;                         //!< triangles that are in no strip yet
+    uint32_t left;                         //!< mask of triangles in no strip
 
-    /*! Mask of the triangles in no strip that have the edge from x to y in this direction. */
+    /*! Mask of triangles in no strip with the edge from x to y in this direction. */
     uint32_t withEdge (uint8_t x, uint8_t y) const
     {
       uint32_t result = 0;
@@ -57,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
     }
 
-    /*! Returns the candidate of the least degree. candidates: mask, not 0. */
+    /*! Returns the candidate of the least degree. candidates: not 0. */
     uint32_t leastConnected (uint32_t candidates) const
     {
       if ((candidates & (candidates-1)) == 0) return uint32_t(__builtin_ctz(candidates));
@@ -69,8 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! Appends triangle t. a, b: its first two corners in the order of the stream. isFlipped: the application's order
-     *  is b, a. */
+    /*! Appends triangle t. a, b: its first two corners in the stream. isFlipped: the application's order is b, a. */
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
@@ -79,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
       left &= ~(1u << t);
     }
 
-    /*! Makes a strip that begins with triangle t. Stops when the last triangle has no neighbor. */
+    /*! Makes a strip from triangle t to one without neighbors. */
     void makeStrip (uint32_t t)
     {
       // The strip cannot continue across edge a b. Prefers an edge without neighbor as a b, if another edge has one.

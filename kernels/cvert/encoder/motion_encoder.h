@@ -18,8 +18,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
-  /*! Call begin(), then for each step set vertices() and call addStep(), then call finish(). Holds only two steps in
-   *  memory. The first step's margins and the offsets of steps are completed as later steps are added. */
+  /*! Call begin(), then for each step set vertices() and call addStep(), then finish(). Holds two steps in memory; each
+   *  step completes the margins of the step before it. */
   class MotionEncoder : private VertEncoder
   {
   public:
@@ -30,10 +30,10 @@ namespace cvert { inline namespace CVERT_ISA
                         + sizeof(float)*6*maxSide*maxSide + 64);
     }
 
-    /*! The vertices of the next step, row by row, which the caller sets. */
+    /*! Vertices of the next step, row by row, which the caller sets. */
     float (*vertices ())[3] { return current().vertices; }
 
-    /*! begin, end: times of the first and last step. out: receives the block, at least maxBytes(numSteps). */
+    /*! begin, end: times of the first and last step. out: for the block, at least maxBytes(numSteps). */
     void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
       this->at = at;
@@ -125,7 +125,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      // completes the segment that ends here, whose header is the previous step's
+      // the segment that ends here: its margins are in the previous step
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
@@ -164,7 +164,7 @@ namespace cvert { inline namespace CVERT_ISA
         rotation.fit(own);
         rotation.write(header);
       }
-      // all words first, because the fields' offset depends on them
+      // all words first: the offset of fields depends on them
       uint32_t words[maxVertGroups+1];
       bool areRotated[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
@@ -206,8 +206,8 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! Chooses the residuals of a cell, in own[g], or their difference from the rotated residuals of the first step.
-     *  Returns false if both have too many bits. */
+    /*! Chooses between the residuals of a cell, own[g], and their difference from rotated residuals, which then
+     *  replaces own[g]. Returns false if both have too many bits. */
     bool encodeCell (uint32_t g, uint32_t& word, bool& isRotated)
     {
       isRotated = false;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encodes the primitive numbers of a block's quads, see format/quad_numbers.h: as the first pattern that fits,
- * otherwise as a table. */
+/* Encodes the primitive numbers of a block's quads (format/quad_numbers.h), as the first pattern that fits, or a
+ * table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Primitive numbers of a patch's quads. */
   struct QuadNumbers
   {
-    uint32_t form;                 //!< form without pattern, and without turns if `turns` is not empty
+    uint32_t form;                 //!< without pattern, and without turns if `turns` is not empty
     unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` specifies all
-     * turns. Otherwise numbers must be below 2^30. */
+    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` specifies the turns.
+     * Otherwise numbers must be less than 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
@@ -70,8 +70,8 @@ namespace cvert { inline namespace CVERT_ISA
       setTable(blockForm,numbersInTable);
     }
 
-    /*! Sets the base of the numbers, and appends VertTrianglePairs and the table if necessary. header: of the encoded
-     *  block. bytes: its size. Returns its new size. */
+    /*! Sets the base of the numbers, and appends VertTrianglePairs and the table if necessary. bytes: size of the
+     *  block. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = base;

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Fits the 3x3 matrix that predicts the residuals of a later time step of a block from the residuals of its first step,
- * by least squares, see format/motion.h. Any matrix is allowed: rotation, bending and growth of a surface are nearly
- * linear over a block. */
+/* Fits the 3x3 matrix that predicts the residuals of a later time step of a block from those of its first step, by
+ * least squares (format/motion.h). Not only rotations: bending and growth are nearly linear over a block, too. */
 
 #include "../format/motion.h"
 #include "cell_encoder.h"
@@ -15,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class RotationFit
   {
   public:
-    /*! residuals: of the first step's groups, by axis. They must exist while fit() is called. */
+    /*! residuals: of the first step's groups, by axis. Must remain valid for fit(). */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
@@ -44,7 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
           entries[a][b] = int(std::floor(std::min(std::max(matrix[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
     }
 
-    /*! Sets `rest` to `to` minus the prediction from `from`, rounded as in decoders. */
+    /*! Sets `rest` to `to` minus the prediction from `from`. */
     void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices],
                    int rest[3][paddedVertices]) const
     {
@@ -66,8 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! s[a][b] receives the sum, over all vertices, of residuals on axis a times residuals of the first step on axis
-     *  b. */
+    /*! Sets s[a][b] to the sum of residuals on axis a times residuals of the first step on axis b. */
     void sum (const int (*residuals)[3][paddedVertices], double s[3][3]) const
     {
       for (int a=0; a<3; a++)

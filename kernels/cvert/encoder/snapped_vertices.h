@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Snaps four vertices at a time to a lattice, and detects quads that snapping flips. For writers of cVERT blocks. */
+/* Snaps four vertices at a time to a lattice, and detects quads that snapping flips. */
 
 #include "../basics/vertices4.h"
 #include "lattice.h"
@@ -27,7 +27,7 @@ namespace cvert { inline namespace CVERT_ISA
     return reduceMax(lessThan(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
-  /*! Counts quads, of four in a row with triangles (00,10,01) and (10,11,01), with a normal that turned by more than 90
+  /*! Counts quads, of four in a row, with a triangle (00,10,01) or (10,11,01) whose normal turned by more than 90
    *  degrees. width: vertices per row. */
   inline uint32_t countFlippedOfFour(const float (*original)[3], const float (*snapped)[3], size_t width)
   {

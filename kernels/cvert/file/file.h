@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A file of compressed surfaces, mapped for reading. Opening checks header and directory; trees and blocks are checked
- * when used, see TreeReader and validateVertBlock. */
+/* A file of compressed surfaces, mapped for reading. Opening checks header and directory, not trees and blocks: see
+ * TreeReader and validateVertBlock. */
 
 #include "../basics/reason.h"
 #include "format.h"
@@ -32,8 +32,8 @@ namespace cvert
     /*! Validates a block that is not cVERT. bytes: from the block to the end of the geometry's blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
-    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: checks blocks
-     *  that are not cVERT; without it only their checksum is compared. */
+    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: for blocks that
+     *  are not cVERT; without it only their checksum is compared. */
     void verify (const BlockCheck& other = BlockCheck()) const {
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }

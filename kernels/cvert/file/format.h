@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Layout of files of compressed surfaces, specified by docs/formats/file.md: a header, each geometry's tree and blocks,
- * and a directory. Offsets are from the start of the file. Little-endian. */
+/* Layout of files of compressed surfaces (docs/formats/file.md): a header, each geometry's tree and blocks, and a
+ * directory. Offsets are from the start of the file. Little-endian. */
 
 #include "../format/mesh_motion.h"
 #include "checksum.h"
@@ -13,28 +13,26 @@
 
 namespace cvert
 {
-  /*! Version of this layout and docs/formats/file.md. Blocks have their own versions. */
+  /*! Version of this layout. Blocks have their own versions. */
   static const uint32_t fileVersion = 1;
   /*! Contains line ends, so that transfers in text mode are detected. */
   static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' };
   static const uint32_t fileByteOrder = 0x01020304u;
 
-  /*! Version of blocks of the paper's representations (with frames), which the codec copies but does not decode. */
+  /*! Version of blocks with frames (the paper's representations), which the codec copies but does not decode. */
   static const uint32_t fileFramedVersion = 1;
 
   /*! Each geometry's tree and its first block begin at multiples of this, in bytes. */
   static const uint64_t filePage = 4096;
 
-  /*! Bytes after the blocks of a geometry, because decoders read past the end of a block. */
+  /*! Bytes after the blocks of a geometry that decoders may read. */
   static const uint64_t fileReadPadding = 64;
 
   struct FileHeader
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    /*! vertVersion: vertFormatVersion, or meshFormatVersion if the file contains mesh blocks, or
-     *  movingMeshFormatVersion if it contains moving ones. framedVersion: fileFramedVersion */
-    uint32_t vertVersion, framedVersion;
+    uint32_t vertVersion, framedVersion;   //!< newest version of cVERT and mesh blocks, fileFramedVersion
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
     uint64_t fileBytes, directory;         //!< size of the file, offset of the geometries' records
     uint32_t directoryChecksum;
@@ -59,7 +57,7 @@ namespace cvert
     uint32_t treeChecksum, blocksChecksum;
     uint32_t form, source;
     uint32_t compression;                  //!< FileCompression
-    uint32_t surface;                      //!< surface number of all blocks; bit 31 is set for moving surfaces
+    uint32_t surface;                      //!< surface number of all blocks, see format/limits.h
     uint32_t numPrimitives, numTimeSteps;
     float begin, end;                      //!< times of the first and last step
     float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
@@ -70,8 +68,8 @@ namespace cvert
   };
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
 
-  /*! Type of a reference to a child, in the lower 4 bits. The upper bits are the offset from the start of the tree or
-   *  blocks, a multiple of 16. */
+  /*! Type of a child, in its lower 4 bits. The upper bits are its offset from the start of the tree or blocks, a
+   *  multiple of 16. */
   enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4,
     FILE_MESH = 5, FILE_MOVING_MESH = 6, FILE_CHILD_MASK = 15 };
 

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Resolves an output path to a file that can be replaced, or to a device, pipe or descriptor of this process, which
- * must be written in place. Depends only on POSIX, so that programs can include it without the codec. */
+ * must be written in place. Requires only POSIX: programs include it without the codec. */
 
 #include <cctype>
 #include <cerrno>
@@ -31,8 +31,7 @@ namespace cvert
 
   struct OutputPath
   {
-    /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place: a rename would replace it
-     *  by a file. */
+    /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place. */
     enum Kind { NEW, REGULAR, STREAM };
 
     /*! Throws std::system_error for folders and paths that cannot be resolved. */
@@ -94,7 +93,7 @@ namespace cvert
     }
 
     /*! Descriptor of standard output or standard error if it is redirected to the file, else -1. A rename would lose
-     *  what the process writes to it. */
+     *  this output. */
     static int standardDescriptor (const struct stat& file)
     {
       struct stat open;

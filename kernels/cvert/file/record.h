@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Checks a geometry's record and blocks, in writers and readers: everything that can be saved can be loaded. */
+/* Checks a geometry's record and blocks. Writers and readers use the same checks, so that saved files can be loaded. */
 
 #include "format.h"
 #include "../decoder/validate.h"
@@ -17,8 +17,8 @@ namespace cvert
   /*! Checks a record, except for the positions of tree and blocks and for checksums. */
   Reason validateRecord (const FileGeometry& record);
 
-  /*! Checks a cVERT block of at most `bytes` bytes, except for its surface number. Decoders of valid blocks read only
-   *  the block and vertReadPadding bytes after it, and report existing primitives. */
+  /*! Checks a cVERT block of at most `bytes` bytes (validateVert), its time range, and that its primitives exist. Does
+   *  not check its surface number. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
   /*! The same for a mesh block, static or moving. */

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reads and checks a geometry's tree in a file, without its blocks: every node has one parent, nodes and blocks are in
- * the order of traversal, and boxes are finite. */
+/* Reads and checks a geometry's tree in a file: every node has one parent, nodes and blocks are in depth-first order,
+ * and boxes are finite. Does not read blocks. */
 
 #include "../format/block.h"
 #include "record.h"
@@ -25,13 +25,13 @@ namespace cvert
   class TreeReader
   {
   public:
-    /*! Maximum number of nodes on a path from the root. Limits the recursion. */
+    /*! Nodes on a path from the root. Limits the recursion. */
     static const unsigned maxDepth = 40;
 
     TreeReader (const FileGeometry& record, const char* tree, Sink& sink) : record(record), tree(tree), sink(sink) {}
 
-    /*! Returns the first error; the sink may then have received a part of the tree. root: receives the sink's reference
-     *  to the root, unless the geometry has a list. */
+    /*! Returns the first error; the sink may then have received a part of the tree. root: receives the reference to the
+     *  root, unless the geometry has a list. */
     Reason read (typename Sink::Ref& root)
     {
       if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes)))

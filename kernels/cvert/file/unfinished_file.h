@@ -4,8 +4,7 @@
 #pragma once
 
 /* A file that is written next to its final path, and renamed when complete: readers never see a part of it. A lock
- * distinguishes it from files of killed processes. Depends only on POSIX, so that programs can include it without the
- * codec. */
+ * distinguishes it from files of killed processes. Requires only POSIX: programs include it without the codec. */
 
 #include "output_path.h"
 #include <algorithm>
@@ -20,7 +19,7 @@
 
 namespace cvert
 {
-  /*! This thread's writes beyond the limit on file sizes fail with EFBIG instead of raising SIGXFSZ. */
+  /*! While it exists, writes of this thread beyond the limit on file sizes fail with EFBIG and raise no SIGXFSZ. */
   class FileSizeLimit
   {
   public:
@@ -112,8 +111,8 @@ namespace cvert
     /*! isKept: the destructor does not remove the file. */
     void setKept (bool isKept) { this->isKept = isKept; }
 
-    /*! Copies permissions, and the owner if permitted, of the file that this one replaces. The set-user-ID,
-     *  set-group-ID and sticky bits (07000) are only copied with the group. */
+    /*! Copies permissions, and the owner if permitted, of the file that this one replaces. Copies the set-user-ID,
+     *  set-group-ID and sticky bits (07000) only with the group. */
     void copyPermissions ()
     {
       if (output.kind != OutputPath::REGULAR) return;
@@ -123,8 +122,8 @@ namespace cvert
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
     }
 
-    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the file. If it throws
-     *  std::system_error, the file was not renamed. */
+    /*! Flushes and renames the file, and then releases the lock. If it throws std::system_error, the file was not
+     *  renamed. */
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
@@ -165,8 +164,8 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! Returns the final name, to which the caller appends `more` bytes. If the result would be too long, cuts the name
-     *  and appends its hash. */
+    /*! Returns the final name, to which the caller appends `more` bytes. Replaces its end by a hash if the result would
+     *  be too long. */
     std::string shortenedName (size_t more) const
     {
       const std::string all = fileNameOf(output.path);

@@ -33,20 +33,19 @@ namespace cvert
     };
     std::vector<Block> blocks;
 
-    /*! Appends a block, which must remain valid until the surface is written. type: FILE_FRAMED, FILE_VERT,
-     *  FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset of the surface number in the block. Returns the
-     *  child that refers to the block, to store in a FileNode or FileEntry. */
+    /*! Appends a block, which must remain valid until the surface is written. type: neither FILE_NONE nor FILE_NODE.
+     *  surface: offset of the surface number in the block. Returns the child for a FileNode or FileEntry. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
 
     /*! Appends a cVERT block to a list, and extends the record's bounds by its vertices. Throws Error if record.form is
-     *  not FILE_LIST or FILE_MOVING, or if the block is damaged or has no finite vertex. block: a VertHeader and the
-     *  following bytes, valid until the surface is written. */
+     *  not FILE_LIST or FILE_MOVING, or if the block is damaged or has no finite vertex. The block must remain valid
+     *  until the surface is written. */
     void appendToList (const void* block, uint32_t bytes);
 
   private:
     friend class FileWriter;
 
-    uint64_t end = 0;        //!< end of the blocks
+    uint64_t end = 0;        //!< of the blocks
     uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
   };
 
@@ -68,11 +67,11 @@ namespace cvert
     FileWriter (const FileWriter&) = delete;
     FileWriter& operator= (const FileWriter&) = delete;
 
-    /*! Throws Error if the file was committed or could not be written earlier. */
+    /*! Throws if the file was committed or could not be written earlier. */
     void requireOpen () const;
 
-    /*! Writes a geometry. Sets the members of its record that the caller does not set. Throws Error if the record is
-     *  invalid or writing fails. Does not validate blocks. */
+    /*! Writes a geometry, and completes its record. Throws if the record is invalid or writing fails. Does not validate
+     *  blocks. */
     void add (FileSurface& surface);
 
     /*! Flushes the file and renames it to its path. */
@@ -82,8 +81,7 @@ namespace cvert
     size_t size () const { return directory.size(); }
 
   private:
-    /*! A writer with a key stores the directory whenever it has written so many bytes, in add(). If the process is
-     *  killed, about so many are lost. */
+    /*! With a key, add() stores the directory after this many bytes. A killed process loses about as many. */
     static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
     /*! ending: suffix of the unfinished file if another writer may continue it, else empty. */
@@ -94,7 +92,7 @@ namespace cvert
     /*! Continues the geometries of an earlier writer, or starts an empty file if there are none. */
     void resume ();
 
-    /*! Appends the directory, and writes the header that refers to it. Flushes in between if the writer has a key. */
+    /*! Appends the directory, and writes the header that refers to it. */
     void writeDirectory ();
 
     void writeBlocks (FileSurface& surface);
@@ -103,7 +101,7 @@ namespace cvert
     [[noreturn]] void fail (const std::string& what);
     [[noreturn]] void failToWrite (int error);
 
-    /*! Chooses a geometry's surface number, which is unique in the file. */
+    /*! The number is unique in the file. */
     uint32_t chooseSurfaceNumber (const FileGeometry& record);
 
     const std::string path;
@@ -111,9 +109,9 @@ namespace cvert
     const bool isResumable;               //!< has a key: the file is kept without commit
     bool failed = false;
     uint64_t key = 0;
-    uint64_t at = 0, saved = 0;           //!< bytes that are written, and bytes that the header on the disk covers
+    uint64_t at = 0, saved = 0;           //!< written bytes, and those that the header on the disk covers
     uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
-    std::set<uint32_t> numbers;           //!< used surface numbers, without their two highest bits
+    std::set<uint32_t> numbers;           //!< surface numbers, without their two highest bits
   };
 }
