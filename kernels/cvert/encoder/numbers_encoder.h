@@ -19,7 +19,7 @@ namespace cvert { inline namespace CVERT_ISA
     unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` specifies the turns.
+    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` has the turns.
      * Otherwise numbers must be less than 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms

@@ -38,8 +38,8 @@ namespace cvert
         return Reason::damaged("the checksum of its tree differs");
       if (record.form == FILE_TREE) {
         root = node(0,1);
-        if (!reason && used*sizeof(FileNode) != record.treeBytes)
-          fail("its tree has % nodes that no other node refers to",record.treeBytes/sizeof(FileNode)-used);
+        if (!reason && numRead*sizeof(FileNode) != record.treeBytes)
+          fail("its tree has % nodes that no other node refers to",record.treeBytes/sizeof(FileNode)-numRead);
       }
       else readList();
       if (!reason && numBlocks != record.numBlocks)
@@ -47,7 +47,7 @@ namespace cvert
       return reason;
     }
 
-    uint64_t numNodes () const { return used; }
+    uint64_t numNodes () const { return numRead; }
 
   private:
     typedef typename Sink::Ref Ref;
@@ -73,10 +73,10 @@ namespace cvert
 
     Ref node (uint64_t offset, unsigned depth)
     {
-      if (offset != used*sizeof(FileNode) || offset >= record.treeBytes)
-        return fail("a node of its tree refers to a node at %: expected %",offset,used*sizeof(FileNode));
+      if (offset != numRead*sizeof(FileNode) || offset >= record.treeBytes)
+        return fail("a node of its tree refers to a node at %: expected %",offset,numRead*sizeof(FileNode));
       if (depth > maxDepth) return fail("its tree is deeper than % nodes",maxDepth);
-      used++;
+      numRead++;
       const FileNode& from = ((const FileNode*)tree)[offset/sizeof(FileNode)];
       auto* const to = sink.beginNode();
       for (unsigned i=0; i<4; i++)
@@ -114,7 +114,7 @@ namespace cvert
     Reason reason;
     uint64_t next = 0;       //!< lowest valid offset of the next block
     uint64_t numBlocks = 0;
-    uint64_t used = 0;       //!< nodes that were read
+    uint64_t numRead = 0;    //!< nodes that were read
   };
 
   /*! Calls visit(type,offset) for each block in the order of the file. Returns the tree's first error. */

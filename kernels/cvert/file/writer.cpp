@@ -49,7 +49,7 @@ namespace cvert
     tree.insert(tree.end(),(const char*)&entry,(const char*)(&entry+1));
   }
 
-  void FileWriter::open (const std::string& ending)
+  void FileWriter::open (const std::string& suffix)
   {
     if (path.empty()) throw Error(ErrorCode::INVALID_ARGUMENT,"path is empty");
     std::string name = path;
@@ -59,8 +59,8 @@ namespace cvert
       if (place.kind == OutputPath::STREAM)
         throw Error(ErrorCode::INVALID_ARGUMENT,
                        path + ": is a device, a pipe or an open descriptor: expected a regular file");
-      name = place.path + ending;
-      file.reset(ending.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,ending));
+      name = place.path + suffix;
+      file.reset(suffix.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,suffix));
     }
     catch (const std::system_error& error)
     {
@@ -85,7 +85,7 @@ namespace cvert
   FileWriter::~FileWriter ()
   {
     if (!file || !isResumable) return;
-    try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
+    try { if (!failed && !directory.empty() && written != saved) writeDirectory(); }
     catch (...) {} // the file still contains what the header on the disk refers to
     file->setKept(saved != 0);
   }
@@ -134,8 +134,8 @@ namespace cvert
     const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
     if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + anew);
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
-    at = saved = header.fileBytes;
-    if (::ftruncate(part,off_t(at)) != 0 || ::lseek(part,off_t(at),SEEK_SET) < 0)
+    written = saved = header.fileBytes;
+    if (::ftruncate(part,off_t(written)) != 0 || ::lseek(part,off_t(written),SEEK_SET) < 0)
       reject(std::string("cannot be written: ") + std::strerror(errno));
   }
 
@@ -151,13 +151,13 @@ namespace cvert
   {
     const int error = writeAll(file->descriptor(),data,bytes);
     if (error) failToWrite(error);
-    at += bytes;
+    written += bytes;
   }
 
   void FileWriter::padTo (uint64_t alignment)
   {
     static const char zeros[filePage] = {};
-    if (at % alignment) write(zeros,size_t(alignment - at % alignment));
+    if (written % alignment) write(zeros,size_t(alignment - written % alignment));
   }
 
   uint32_t FileWriter::chooseSurfaceNumber (const FileGeometry& record)
@@ -178,7 +178,7 @@ namespace cvert
   void FileWriter::add (FileSurface& surface)
   {
     requireOpen();
-    if (isResumable && at-saved >= checkpointBytes) writeDirectory();
+    if (isResumable && written-saved >= checkpointBytes) writeDirectory();
     padTo(filePage);
     FileGeometry& record = surface.record;
     record.tree = record.blocks = 0;
@@ -190,14 +190,14 @@ namespace cvert
     record.surface = chooseSurfaceNumber(record);
     if (const Reason reason = validateRecord(record))
       throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
-    record.tree = at;
+    record.tree = written;
     write(surface.tree.data(),surface.tree.size());
     padTo(filePage);
-    record.blocks = at;
+    record.blocks = written;
     writeBlocks(surface);
-    const uint64_t end = at;
+    const uint64_t end = written;
     padTo(filePage);
-    if (at-end < fileReadPadding) {
+    if (written-end < fileReadPadding) {
       const char zeros[fileReadPadding] = {};
       write(zeros,sizeof(zeros));
       padTo(filePage);
@@ -237,11 +237,11 @@ namespace cvert
     header.framedVersion = fileFramedVersion;
     header.numGeometries = uint32_t(directory.size());
     header.recordBytes = sizeof(FileGeometry);
-    header.directory = at;
+    header.directory = written;
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     header.directoryChecksum = fileChecksum(directory.data(),bytes);
     write(directory.data(),bytes);
-    header.fileBytes = at;
+    header.fileBytes = written;
     header.key[0] = uint32_t(key);
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
@@ -250,14 +250,14 @@ namespace cvert
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;
     if (error) failToWrite(error);
-    saved = at;
+    saved = written;
   }
 
   void FileWriter::commit ()
   {
     requireOpen();
     if (directory.empty()) fail("no geometry was added");
-    if (at != saved) writeDirectory();
+    if (written != saved) writeDirectory();
     try { file->commit(); }
     catch (const std::system_error& error) {
       throw Error(ErrorCode::INVALID_OPERATION,path + ": cannot be written: " + error.code().message());

@@ -84,8 +84,8 @@ namespace cvert
     /*! With a key, add() stores the directory after this many bytes. A killed process loses about as many. */
     static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
-    /*! ending: suffix of the unfinished file if another writer may continue it, else empty. */
-    void open (const std::string& ending);
+    /*! suffix: of the unfinished file if another writer may continue it, else empty. */
+    void open (const std::string& suffix);
 
     void begin ();
 
@@ -109,7 +109,7 @@ namespace cvert
     const bool isResumable;               //!< has a key: the file is kept without commit
     bool failed = false;
     uint64_t key = 0;
-    uint64_t at = 0, saved = 0;           //!< written bytes, and those that the header on the disk covers
+    uint64_t written = 0, saved = 0;      //!< bytes in the file, and those that the header on the disk covers
     uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;           //!< surface numbers, without their two highest bits

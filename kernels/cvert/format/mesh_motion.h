@@ -99,11 +99,11 @@ namespace cvert { inline namespace CVERT_ISA
   /* --- prediction --- */
 
   /*! Converts a float exactly, except that denormal floats become 0. */
-  inline double wideOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
+  inline double doubleOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
 
   /*! Predicts a world coordinate. row: row of MeshStep::map for the axis. p: vertex at the first step. */
   inline double predictedPosition (const float row[4], const float p[3]) {
-    return ((wideOf(row[0])*wideOf(p[0]) + wideOf(row[1])*wideOf(p[1])) + wideOf(row[2])*wideOf(p[2])) + wideOf(row[3]);
+    return ((doubleOf(row[0])*doubleOf(p[0]) + doubleOf(row[1])*doubleOf(p[1])) + doubleOf(row[2])*doubleOf(p[2])) + doubleOf(row[3]);
   }
 
   /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
@@ -115,7 +115,7 @@ namespace cvert { inline namespace CVERT_ISA
     const uint64_t bits = uint64_t(1023+127 - ((spacings >> (8*axis)) & 255)) << 52; // 1 / spacing
     double unit;
     std::memcpy(&unit,&bits,sizeof(unit));
-    const double coordinate = std::floor((position-wideOf(origin))*unit + 0.5), most = 1073741824.0;
+    const double coordinate = std::floor((position-doubleOf(origin))*unit + 0.5), most = 1073741824.0;
     return uint32_t(int32_t(coordinate > -most ? coordinate < most ? coordinate : most : -most));
   }
 }}
