@@ -6,19 +6,19 @@
  * Shared code consists of free functions on plain values: no member functions, references or pointers (except in
  * bytes.h and int3.h), 64-bit integers or recursion. Braces initialize only constants.
  *
- * C++ functions are templates on the type Real: float, double, or a vector type of Embree. In GLSL, Real is float.
+ * In C++, Real is a template parameter: float, double, or a vector type of Embree. In GLSL it is float.
  *
  *   CVERT_BEGIN, CVERT_END        around all shared code: namespaces in C++
  *   CBVH_FUNCTION                 before a function
  *   CVERT_CONSTANT                before a constant
  *   CVERT_REAL                    before a function or struct that uses Real
- *   CVERT_OF(Type)                a struct that was declared with CVERT_REAL, with the same Real
+ *   CVERT_OF(Type)                a struct of CVERT_REAL, with the same Real
  *   CVERT_BOOL(Type)              result type of comparisons of Type: bool or a mask
- *   CVERT_AS_FLOAT(Function)      a function or struct that was declared with CVERT_REAL, with Real = float
+ *   CVERT_AS_FLOAT(Function)      a function or struct of CVERT_REAL, with Real = float
  *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles; float
  *                                 in shaders without CBVH_FLOAT64, which compute exact signs with integers
  *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide
- *   CVERT_INLINE                  instead of CBVH_FUNCTION: C++ compilers must inline the function
+ *   CVERT_INLINE                  CBVH_FUNCTION that C++ compilers must inline
  *   CVERT_LIKELY(condition)       hint that a condition is usually true */
 
 #ifndef CVERT_LANGUAGE_H

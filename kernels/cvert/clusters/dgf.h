@@ -26,8 +26,7 @@ namespace cvert
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! bits: receives the bits per axis of a vertex's offset. Returns their sum, which DGF requires to be a multiple of
-     *  4. */
+    /*! bits: receives the bits of offsets per axis. Returns their sum, in DGF a multiple of 4. */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -50,7 +49,7 @@ namespace cvert
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! True if a block has room for a grid of quads as one strip, which uses each inner vertex twice. */
+    /*! For a grid of quads as one strip, which uses each inner vertex twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
@@ -68,7 +67,8 @@ namespace cvert
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! Encodes a cluster. primitives: primitive number of its first triangle. Returns false if there is no room. */
+      /*! Encodes a cluster of at least one triangle. primitives: primitive number of its first triangle. Returns false
+       *  if there is no room. */
       bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
       {
         if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
@@ -109,7 +109,7 @@ namespace cvert
       bool isFirst[3*maxTriangles];
       uint8_t reused[3*maxTriangles];
 
-      /*! Rotates a triangle to begin with edge (a,b). Returns false if it does not contain this edge. */
+      /*! Rotates a triangle to begin with edge (a,b). Returns false if it has no such edge. */
       static bool rotateTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)

@@ -109,7 +109,7 @@ namespace cvert
 
     bool isEmpty () const { return lower[0] > upper[0]; }
 
-    /*! True if an anchor of 24 bits and offsets of 16 bits can represent all points. */
+    /*! True if an anchor and offsets can represent all points. */
     bool fits () const
     {
       for (int k=0; k<3; k++)

@@ -70,7 +70,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-    /*! Finds the steps and smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
+    /*! Finds the smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
     bool chooseSpacings ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
@@ -166,7 +166,7 @@ namespace cvert { inline namespace CVERT_ISA
      *  need few bits. */
     static const int unitsOfFloats = 6;
 
-    /*! findSteps scales an axis to integers of at most this many bits and a sign. Differences fit into an int. */
+    /*! Bits of integers in findSteps, without sign. Differences fit into an int. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponents of the steps

@@ -24,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
       memset(margins,0,sizeof(margins));
     }
 
-    /*! Enlarges the margins of group g so that its box contains its vertices. end: 0 or 1, end of the segment. */
+    /*! Enlarges the margins of group g so that its box contains its vertices at an end, 0 or 1, of the segment. */
     void addGroup (uint32_t end, uint32_t g)
     {
       const BlockVertices& block = *ends[end];
@@ -57,8 +57,8 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Returns the bounds at an end as VertHeader::reach, in the smallest possible units. shift: receives the exponent
-     *  of VertHeader's reachStep. */
+    /*! Returns the bounds at an end as VertHeader::reach, in units of 2^shift coordinates. shift: receives the smallest
+     *  possible. */
     uint32_t encodeReach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];

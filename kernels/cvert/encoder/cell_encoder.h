@@ -71,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    uint32_t word; //!< word of the cell, see format/cell.h
+    uint32_t word; //!< see format/cell.h
     int excess[3]; //!< by axis: bits above maxResidualBits if encode fails
 
     /*! Writes the fields, after encode() or encodeWithoutSlopes(). Returns their end. */
@@ -152,7 +152,7 @@ namespace cvert { inline namespace CVERT_ISA
       sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
     }
 
-    /*! Bits that the residuals need in two's complement. Residuals of corners must be 0. */
+    /*! Bits of the residuals in two's complement. Residuals of corners must be 0. */
     static int bitsOf (const int r[paddedVertices])
     {
       Int4 used = 0, any = 0;

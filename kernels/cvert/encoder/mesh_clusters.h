@@ -36,7 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshClusters
   {
   public:
-    /*! groupTriangles: triangles of a full group, a power of two up to maxGroupTriangles. */
+    /*! groupTriangles: of a full group, a power of two up to maxGroupTriangles. */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         batch(new Batch) {}
@@ -93,8 +93,7 @@ namespace cvert { inline namespace CVERT_ISA
     static const uint32_t bins = 32;                //!< per axis
     static const size_t sortedItems = 512;          //!< parts of up to this many triangles are sorted instead of binned
 
-    /*! Quantized bounds. Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum extends both.
-     *  */
+    /*! Quantized bounds. Lanes 0 to 2: lower; 4 to 6: 65535 minus upper, so that a minimum extends both. */
     typedef uint16_t Lanes __attribute__((vector_size(16)));
 
     /*! A triangle. Lane 3: index in Batch::centers; 7: 1 on the right side of a split, see splitSortedOnce. */
@@ -251,8 +250,7 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(to-items);
     }
 
-    /*! first: first item of the part. onCluster(first,begin,end,groups): receives a cluster, positions begin to end in
-     *  batch->order. */
+    /*! first: first item of the part. onCluster(first,begin,end,groups): receives positions in batch->order. */
     template<typename OnCluster>
     void splitBinned (size_t first, size_t count, const OnCluster& onCluster)
     {
@@ -343,7 +341,7 @@ namespace cvert { inline namespace CVERT_ISA
       return left;
     }
 
-    /*! Radix sort of centers on axis k: first by the lower 9 bits, then by the upper 8 bits. */
+    /*! Radix sort of centers on axis k, by the lower 9 and then the upper 8 bits. */
     void sort (size_t first, uint32_t count, int k)
     {
       const Item* const items = batch->items+first;

@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MotionStatistics : public VertStatistics
   {
-    uint32_t stepBytes = 0;    //!< bytes of all steps but the first
+    uint32_t stepBytes = 0;    //!< of all steps but the first
     uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
@@ -239,7 +239,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    //! If rotated residuals need at most this many bits per field, encodeCell does not try the step's own residuals.
+    //! encodeCell does not try the step's own residuals if rotated ones need at most this many bits per field
     static const int maxUntriedBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
@@ -247,7 +247,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* block;
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
-    uint8_t* marginsOfSegment;  //!< these three point into the previous step, with which the current segment begins
+    uint8_t* marginsOfSegment;  //!< these three point into the previous step, where the current segment begins
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
     std::vector<bool> invalid;  //!< quads that are invalid at any step

@@ -38,10 +38,8 @@ namespace cvert
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
 
-    /*! Throws Error: geometry i is damaged. */
+    /* Throw Error: geometry i is damaged, or not supported. */
     [[noreturn]] void failDamaged (size_t i, const std::string& why) const;
-
-    /*! Throws Error: this library does not support geometry i. */
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
     /*! The file's descriptor, which this object owns and closes. */

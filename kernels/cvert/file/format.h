@@ -34,10 +34,10 @@ namespace cvert
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
     uint32_t vertVersion, framedVersion;   //!< newest version of cVERT and mesh blocks, fileFramedVersion
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
-    uint64_t fileBytes, directory;         //!< size of the file, offset of the geometries' records
+    uint64_t fileBytes, directory;         //!< size of the file, offset of the records of geometries
     uint32_t directoryChecksum;
     uint32_t key[2];                       //!< of a resumable writer, lower half first; else 0
-    uint32_t checksum;                     //!< checksum of the bytes before it
+    uint32_t checksum;                     //!< of the bytes before it
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
@@ -46,14 +46,14 @@ namespace cvert
 
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };
 
-  /*! Representation of a geometry's blocks. Same values as RTCCompression. */
+  /*! Same values as RTCCompression. */
   enum FileCompression : uint32_t { FILE_COMPRESSION_GRID = 2, FILE_COMPRESSION_VOXEL = 3, FILE_COMPRESSION_LEAF = 4,
     FILE_COMPRESSION_VERT = 5 };
 
   /*! Record of a geometry in the directory. */
   struct FileGeometry
   {
-    uint64_t tree, treeBytes, blocks, blockBytes; //!< offsets and sizes of the tree and the blocks
+    uint64_t tree, treeBytes, blocks, blockBytes; //!< offsets and sizes
     uint32_t treeChecksum, blocksChecksum;
     uint32_t form, source;
     uint32_t compression;                  //!< FileCompression

@@ -45,8 +45,8 @@ namespace cvert
     sigset_t signal, before;
   };
 
-  /*! Writes all bytes. put(data,bytes,done): a system call that may write fewer bytes; done: bytes written before.
-   *  Returns 0 or an errno. */
+  /*! Writes all bytes by put(data,bytes,done), which may write fewer; done: bytes written before. Returns 0 or an
+   *  errno. */
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
@@ -73,7 +73,7 @@ namespace cvert
   {
   public:
     /*! Creates a file that is removed unless committed, and removes files of killed writers of the same path. Throws
-     *  std::system_error, with EINVAL for a STREAM, which the file would replace. */
+     *  std::system_error, with EINVAL for a STREAM. */
     explicit UnfinishedFile (const OutputPath& output) : output(output)
     {
       requireFile();
@@ -84,7 +84,7 @@ namespace cvert
       removeStale(folder,prefix);
     }
 
-    /*! Creates or opens a file that a later process can continue, named by the final name and `suffix`. Throws
+    /*! Creates or opens a file that a later process can continue: the final name and `suffix`. Throws
      *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
     UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), isKept(true)
     {
@@ -94,7 +94,6 @@ namespace cvert
         if (tries == 100) throwErrno(EWOULDBLOCK);
     }
 
-    /*! Removes the file unless committed or kept. */
     ~UnfinishedFile ()
     {
       if (file < 0) return;

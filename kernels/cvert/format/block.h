@@ -45,7 +45,7 @@ CVERT_CONSTANT uint32_t vertReadPadding = 16u;
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this in their patch
-/*! Number of blocks along a side of a patch with `quads` quads. */
+/*! Blocks along a side of a patch with `quads` quads. */
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
@@ -62,14 +62,14 @@ struct VertHeader
 {
   float origin[3];        //!< position of coordinates (0,0,0)
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
-  uint32_t surface;       //!< number of the surface, see limits.h
+  uint32_t surface;       //!< surface number, see limits.h
   uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
   uint32_t region;        //!< size and position in the patch: see packRegion
   uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or form of the numbers (quad_numbers.h)
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
   uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
-                          //!< 24: has remainders; 25..28: shift of reach; 29: has edges; 30: has numbers of quads;
+                          //!< 24: has remainders; 25..28: shift of reach; 29: has edges; 30: has primitive numbers;
                           //!< 31: moves
   uint32_t word;          //!< word of the first cell; bits 24..31: exponent of the spacing on x
 };

@@ -53,7 +53,7 @@ struct MeshHeader
   uint32_t surface;       //!< see limits.h
   uint32_t primID;        //!< base of primitive numbers
   uint32_t bytes;         //!< of the block, a multiple of 4
-  uint32_t motion;        //!< offset of the VertMotion of a block that moves (mesh_motion.h), else 0
+  uint32_t motion;        //!< offset of VertMotion if the block moves (mesh_motion.h), else 0
   //! a byte per group, 0 if unused: bits 0..4: triangles minus 1; 5..7: lower bits of the number of restarts
   uint32_t groups[4];
   //! bits 0..9: vertices minus 1; 10..13: groups minus 1; 16..23: triangles minus 1; 24..29: bits of the base number of
@@ -167,9 +167,9 @@ CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { re
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< bit offsets from the start of the group's topology
+  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< bit offsets in the group's topology
   uint32_t repeatBits, otherBits;                             //!< bits per entry
-  uint32_t bits;                                               //!< bits of the whole topology
+  uint32_t bits;                                               //!< of the whole topology
 };
 
 /*! group, record: see groupTriangles. vertices: of the block. */

@@ -103,7 +103,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   /*! Predicts a world coordinate. row: row of MeshStep::map for the axis. p: vertex at the first step. */
   inline double predictedPosition (const float row[4], const float p[3]) {
-    return ((doubleOf(row[0])*doubleOf(p[0]) + doubleOf(row[1])*doubleOf(p[1])) + doubleOf(row[2])*doubleOf(p[2])) + doubleOf(row[3]);
+    return ((doubleOf(row[0])*doubleOf(p[0]) + doubleOf(row[1])*doubleOf(p[1])) + doubleOf(row[2])*doubleOf(p[2]))
+      + doubleOf(row[3]);
   }
 
   /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
