@@ -27,18 +27,18 @@ CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 /*! Unused child. */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
-CBVH_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
-CBVH_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
-CBVH_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
-CBVH_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
+CVERT_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
+CVERT_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
+CVERT_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
+CVERT_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
 
 /* A run is a leaf of consecutive triangles. Its type contains their count. */
 CVERT_CONSTANT uint32_t maxTriangleRun = 4u;
-CBVH_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
+CVERT_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
   return makeReference(triangleReference + count-1u,first);
 }
-CBVH_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
-CBVH_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
+CVERT_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
+CVERT_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
 
 /* Word offsets in Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the byte offset, from the start
  * of the data, of four planes: x, y, z, and (u,v) as 16-bit values in units of 1/8192. */

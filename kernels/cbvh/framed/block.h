@@ -21,7 +21,7 @@ CBVH_BEGIN
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! True if words of the last node level are groups of leaves (leaf/format.h). */
-CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
+CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
@@ -39,7 +39,7 @@ struct BlockLayout
   uint32_t stride;      //!< bytes, rounded up to blockAlignment
 };
 
-CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
+CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 {
   uint32_t leafLevels = kindFormats[kind].leafLevels;
   uint32_t width = (1u << height) + 1u;
@@ -70,34 +70,34 @@ struct BlockHeader
 };
 
 /*! x, y: position of the block in its patch, in blocks. */
-CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
+CVERT_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
   return kind | (height << 4) | (x << 8) | (y << 16);
 }
-CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
-CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }
-CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
+CVERT_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
+CVERT_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
+CVERT_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }
+CVERT_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
 /*! cLEAF: width of lips (leaf/hit_rule.h). Edges of quads on the block's border are within this fraction of their
  *  leaves' boxes, measured from the outer side. */
-CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
+CVERT_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
 /*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2. They
  *  differ from 0 only for patches of faces without four corners. */
-CBVH_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
+CVERT_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
   return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
 }
-CBVH_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
-CBVH_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
-CBVH_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
-CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
+CVERT_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
+CVERT_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
+CVERT_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
+CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
 /*! Face parameter, u or v, of a point x quads from the block's corner. corner: parameter of the patch's corner, times
  *  2. block, last: positions of the block and the patch's last block. Divides, because a product with a reciprocal is
  *  not always 1 at the patch's end. */
-CVERT_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
+CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
 }

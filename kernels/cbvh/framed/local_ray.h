@@ -40,7 +40,7 @@ CVERT_REAL struct Range
   Real lower, upper;
 };
 
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
 {
   CVERT_OF(Range) range;
   range.lower = lower;
@@ -49,7 +49,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
 }
 
 /*! Clips a range of s to the part where o + s d >= 0. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
   if (d > Real(0)) range.lower = greater(range.lower,-o/d);
   else if (d < Real(0)) range.upper = lesser(range.upper,-o/d);
@@ -77,7 +77,7 @@ CVERT_REAL struct Segment
 };
 
 /*! Component k of epsilon, times W. distance: largest component of the ray's origin relative to the center. */
-CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
+CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
 {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
   for (int j=0; j<4; j++)
@@ -93,7 +93,7 @@ CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int 
 }
 
 /*! Maps a ray into a block's frame, and clips it to the block's box. widening: factor of epsilon, 1 in traversal. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
   for (int i=0; i<3; i++) {
@@ -140,30 +140,30 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_
 }
 
 /*! tau(s), see above. */
-CVERT_REAL CBVH_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
+CVERT_REAL CVERT_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
   return sw/(w1*(Real(1)-s) + sw);
 }
 
 /*! Inverse of worldFraction. */
-CVERT_REAL CBVH_FUNCTION Real localFraction (Real w0, Real w1, Real tau)
+CVERT_REAL CVERT_FUNCTION Real localFraction (Real w0, Real w1, Real tau)
 {
   Real tw = tau*w1;
   return tw/(w0*(Real(1)-tau) + tw);
 }
 
 /*! Distance along the world-space ray at s. */
-CVERT_REAL CBVH_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
+CVERT_REAL CVERT_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
   return segment.t0 + worldFraction(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
 }
 
-CVERT_REAL CBVH_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
+CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
 /*! Range of s in which the segment's line is inside of a box widened by epsilon, on the first `axes` (2 or 3) axes. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
   for (int k=0; k<axes; k++) {
@@ -175,7 +175,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, 
 }
 
 /*! True if a range of s overlaps [0,1]. */
-CVERT_REAL CBVH_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
+CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
   return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
 }
 

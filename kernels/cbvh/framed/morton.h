@@ -12,7 +12,7 @@
 CBVH_BEGIN
 
 /*! Moves the lower 8 bits to the even bits. */
-CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
+CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
 {
   x = (x | (x << 4)) & 0x0F0Fu;
   x = (x | (x << 2)) & 0x3333u;
@@ -20,7 +20,7 @@ CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
 }
 
 /*! Inverse of spreadBits. */
-CBVH_FUNCTION uint32_t gatherBits (uint32_t x)
+CVERT_FUNCTION uint32_t gatherBits (uint32_t x)
 {
   x &= 0x5555u;
   x = (x | (x >> 1)) & 0x3333u;
@@ -28,15 +28,15 @@ CBVH_FUNCTION uint32_t gatherBits (uint32_t x)
   return (x | (x >> 4)) & 0x00FFu;
 }
 
-CBVH_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) | (spreadBits(y) << 1); }
-CBVH_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
-CBVH_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
+CVERT_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) | (spreadBits(y) << 1); }
+CVERT_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
+CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
 /*! Column (axis 0) or row (axis 1) of a child, or of a box's corner. */
-CBVH_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
+CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
 /*! Number of nodes in the first n levels, which is also the index of the first word of level n. */
-CBVH_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
+CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END
 

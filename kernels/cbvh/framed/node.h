@@ -34,14 +34,14 @@ struct NodeBox
   float extent[3];
 };
 
-CBVH_FUNCTION NodeBox rootBox ()
+CVERT_FUNCTION NodeBox rootBox ()
 {
   NodeBox box;
   for (int k=0; k<3; k++) { box.lower[k] = 0.0f; box.extent[k] = 1.0f; }
   return box;
 }
 
-CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
+CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
 /*! See above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
@@ -49,18 +49,18 @@ CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 /* Codebooks are packed into words, because GPUs would load tables from memory. */
 
 /*! Byte i, 0 to 7, of two words. */
-CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
+CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
 /*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Only compensates for
  *  the parent's rounding. */
-CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
+CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Inner plane, in parent extents: upper plane of column 0, which the lower plane of column 1 mirrors. 116, 125, 130,
  *  136, 144, 160, 192 or 256 of 256; the packed bytes are less by 1. In frames that are aligned to patches, most planes
  *  are near the middle; 256 is for surfaces that fold over. */
-CBVH_FUNCTION float innerPosition (uint32_t code) {
+CVERT_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
 
@@ -70,7 +70,7 @@ CBVH_FUNCTION float innerPosition (uint32_t code) {
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */
 struct Interval { float lower, upper; };
-CBVH_FUNCTION Interval zInterval (uint32_t code)
+CVERT_FUNCTION Interval zInterval (uint32_t code)
 {
   Interval z;
   z.lower = float(packedByte(0x10020700u,0x000E070Bu,code))*(1.0f/32.0f);
@@ -90,20 +90,20 @@ CVERT_CONSTANT uint32_t planePairMask = 31u;
 CVERT_CONSTANT int zShift = 20;
 CVERT_CONSTANT int zBits = 3;
 
-CBVH_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
-CBVH_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
+CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
+CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
 /*! Planes of a column (x) or row (y), in parent extents. pair: the 5 bits of a plane pair. */
-CBVH_FUNCTION float lowerPlane (uint32_t pair, int column) {
+CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
-CBVH_FUNCTION float upperPlane (uint32_t pair, int column) {
+CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
   return column == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
 }
 
-CBVH_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
+CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
-CBVH_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
+CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;
   for (int axis=0; axis<2; axis++)

@@ -20,7 +20,7 @@ CVERT_REAL struct Vector
 /*! Returns the world-space normal, not normalized, of the plane z = slopeX x + slopeY y + const through a point p of
  *  the frame. If M maps world space to homogeneous coordinates of the frame, plane (a,b,c,d) of the frame is plane
  *  (a,b,c,d) M of world space: no inverse is required. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
   CVERT_OF(Vector) normal;
   Real k = p.x[2] - slopeX*p.x[0] - slopeY*p.x[1];
@@ -36,7 +36,7 @@ CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
 /*! along: dot product of normal and direction. normal2, direction2: their squared lengths. from: Verdict::from of
  *  leaf/hit_rule.h. */
-CVERT_REAL CBVH_FUNCTION bool isMirrored (Real along, Real normal2, Real direction2, uint32_t from)
+CVERT_REAL CVERT_FUNCTION bool isMirrored (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));
   return away && along*along < Real(mirroredSine2)*normal2*direction2;

@@ -12,12 +12,12 @@
 CBVH_BEGIN
 
 /*! True if words of a level are groups (leaf/format.h). nodeLevels: see BlockLayout. */
-CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
+CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
 /*! group: the word is a group's. heights: used for groups only. parent: decoded box of the word's node. */
-CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
   return decodeChild(word,child,parent);

@@ -100,7 +100,7 @@ CVERT_END
 CVERT_BEGIN
 
 /*! Returns the i-th 32-bit word as a float. */
-CBVH_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
+CVERT_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END
 

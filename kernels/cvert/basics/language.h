@@ -9,7 +9,7 @@
  * In C++, Real is a template parameter: float, double, or a vector type of Embree. In GLSL it is float.
  *
  *   CVERT_BEGIN, CVERT_END        around all shared code: namespaces in C++
- *   CBVH_FUNCTION                 before a function
+ *   CVERT_FUNCTION                 before a function
  *   CVERT_CONSTANT                before a constant
  *   CVERT_REAL                    before a function or struct that uses Real
  *   CVERT_OF(Type)                a struct of CVERT_REAL, with the same Real
@@ -18,7 +18,7 @@
  *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles; float
  *                                 in shaders without CBVH_FLOAT64, which compute exact signs with integers
  *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide
- *   CVERT_INLINE                  CBVH_FUNCTION that C++ compilers must inline
+ *   CVERT_INLINE                  CVERT_FUNCTION that C++ compilers must inline
  *   CVERT_LIKELY(condition)       hint that a condition is usually true */
 
 #ifndef CVERT_LANGUAGE_H
@@ -28,7 +28,7 @@
 
 #define CVERT_BEGIN
 #define CVERT_END
-#define CBVH_FUNCTION
+#define CVERT_FUNCTION
 #define CVERT_CONSTANT const
 #define CVERT_REAL
 #define CVERT_OF(Type) Type
@@ -72,7 +72,7 @@
 
 #define CVERT_BEGIN namespace cvert { inline namespace CVERT_ISA {
 #define CVERT_END }}
-#define CBVH_FUNCTION inline
+#define CVERT_FUNCTION inline
 #define CVERT_CONSTANT static constexpr
 #define CVERT_REAL template<typename Real>
 #define CVERT_OF(Type) Type<Real>
@@ -89,11 +89,11 @@ CVERT_BEGIN
 
 /* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. Compilers may not
  * inline std::fmin and std::fmax. */
-CVERT_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
-CVERT_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
-CVERT_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
-CVERT_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
-CVERT_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
+CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
+CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
 /* both, either: logical operators, also for masks.
  * product: never fused with a sum into one instruction, which would round differently. */

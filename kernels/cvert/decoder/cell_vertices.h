@@ -22,14 +22,14 @@ struct CodedCell
   int quadsX, quadsY;        //!< quads per side of the cell
 };
 
-CBVH_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
+CVERT_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
 {
   return Int3(cornerCoordinate(cornerWord(step,cornerPair(c,0)),c,0),
               cornerCoordinate(cornerWord(step,cornerPair(c,1)),c,1),
               cornerCoordinate(cornerWord(step,cornerPair(c,2)),c,2));
 }
 
-CBVH_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
+CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 {
   CodedCell cell;
   cell.word = step.word;
@@ -45,7 +45,7 @@ CBVH_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 }
 
 /*! c00 to c11: coordinates of the group's corners, which are vertices of the first cell. fields: fieldsOfGroup. */
-CBVH_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
+CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
                                       uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
   CodedCell cell;
@@ -63,12 +63,12 @@ CBVH_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, u
 
 /* --- residuals ------------------------------------------------------------------------- */
 
-CBVH_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, int bits) {
+CVERT_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, int bits) {
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
 /*! Decodes a residual, by axis. word, fields: as in CodedCell. */
-CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
+CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
   uint32_t begin = 8u*fields;
@@ -91,7 +91,7 @@ CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uin
 }
 
 /*! Applies the step's matrix to a residual of the first step. */
-CBVH_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
+CVERT_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).matrix[0], b = CVERT_AT(VertStep,step.data).matrix[1];
   uint32_t shift = rotationShift(step.rotation);
@@ -106,11 +106,11 @@ CBVH_FUNCTION Int3 rotateResidual (CVERT_IN(StepView) step, Int3 r)
 /*! Predictions of a row: (start + weight*slope) >> 8 equals cellPrediction, with fewer operations. */
 struct CellRow { Int3 start, slope; };
 
-CBVH_FUNCTION int weightInCell (int i, int distance, int quads) {
+CVERT_FUNCTION int weightInCell (int i, int distance, int quads) {
   return quads == 4*distance ? 4*i : cellWeight(i,distance,quads);
 }
 
-CBVH_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
+CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 {
   int weight = weightInCell(j,cell.distance,cell.quadsY);
   CellRow row;
@@ -120,7 +120,7 @@ CBVH_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 }
 
 /*! Coordinates of vertex i of row j, without a rotated residual. data: StepView::data. */
-CBVH_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
+CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
   Int3 vertex = (row.start + weightInCell(i,cell.distance,cell.quadsX)*row.slope) >> 8;
@@ -129,7 +129,7 @@ CBVH_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) ce
   return vertex;
 }
 
-CBVH_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) {
+CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) {
   return vertexOfRow(data,cell,rowOfCell(cell,j),i,j);
 }
 
@@ -137,14 +137,14 @@ CBVH_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) c
 
 /*! Index in the block, row by row, of vertex i, j (0 to 4) of a group. Groups with fewer quads repeat their last
  *  vertices. */
-CBVH_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
+CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
   return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
 }
 
 /*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see block.h. */
-CBVH_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
+CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
 {
   CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];
   return at;
@@ -152,7 +152,7 @@ CBVH_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordi
 
 /*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
  *  vertexOfGroup. */
-CBVH_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
+CVERT_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);
   if (bits == 0u) return lattice;
@@ -162,7 +162,7 @@ CBVH_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int 
 }
 
 /*! Requires a raw step. */
-CBVH_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
+CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
   return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis));
 }
 

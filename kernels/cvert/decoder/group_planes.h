@@ -17,7 +17,7 @@ struct BoxPlanes { float lower, upper; };
 
 /*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. form: boxForm of
  *  the segment that begins or ends with the step. margins: the group's byte for the axis. */
-CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
+CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {
   int m = shearedAxis(form);
@@ -41,7 +41,7 @@ CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, I
 }
 
 /*! Planes of group g of a raw block. offsets: vertLayout of the block. */
-CBVH_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
+CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
                                            int axis)
 {
   BoxPlanes planes;

@@ -87,27 +87,30 @@ CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(Vert
   return viewOfLaterStep(block,CVERT_AT(VertHeader,block).region,number);
 }
 
-CBVH_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
+CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
   return wordAt(step.data,step.corners/4u + uint32_t(i));
 }
 
-CBVH_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHighBits,g);
 }
 
 /*! Byte offset of the fields of group g, relative to data. */
-CBVH_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return endOfFields(step.data,step.cell,step.word,step.words,g);
 }
 
-CBVH_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) { return step.isLater
-  && isFirstCellRotated(step.form); }
-CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return areResidualsRotated(step.rotation,g); }
+CVERT_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) {
+  return step.isLater && isFirstCellRotated(step.form);
+}
+CVERT_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) {
+  return areResidualsRotated(step.rotation,g);
+}
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
 /*! Bounds at the step in the shear of the segment that begins with it. */
-CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
+CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
@@ -115,7 +118,7 @@ CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 
 /*! Bounds at the step in the shear of the segment that ends with it. form: boxForm of the step at the segment's
  *  beginning. */
-CBVH_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
+CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.rotation),step.spacing);
 }
 

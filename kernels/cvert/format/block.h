@@ -46,7 +46,7 @@ CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this in their patch
 /*! Blocks along a side of a patch with `quads` quads. */
-CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
+CVERT_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
 CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< offset of corners in the header
@@ -76,17 +76,17 @@ struct VertHeader
 CVERT_READABLE(VertHeader,16)
 
 /*! quadsX, quadsY: size of the block, 1 to 16. x, y: its first quad in the patch, multiples of vertBlockQuads. */
-CBVH_FUNCTION uint32_t packRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+CVERT_FUNCTION uint32_t packRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
-CBVH_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertFirstX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
-CBVH_FUNCTION uint32_t vertFirstY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
+CVERT_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
+CVERT_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
+CVERT_FUNCTION uint32_t vertFirstX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
+CVERT_FUNCTION uint32_t vertFirstY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
 
-CBVH_FUNCTION uint32_t packPatchQuads (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
-CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
-CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
+CVERT_FUNCTION uint32_t packPatchQuads (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
+CVERT_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
+CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
 /*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the edge's rate minus 1;
  *  the rate is at most the patch's quads along the edge. The upper 4 bits of the first two are the face parameters u
@@ -98,9 +98,9 @@ struct VertEdges
 };
 CVERT_READABLE(VertEdges,4)
 
-CBVH_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
+CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
 
-CBVH_FUNCTION VertEdges packEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
+CVERT_FUNCTION VertEdges packEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
                                     uint32_t cornerV)
 {
   VertEdges edges;
@@ -108,11 +108,11 @@ CBVH_FUNCTION VertEdges packEdges (uint32_t rate0, uint32_t rate1, uint32_t rate
   edges.high = (rate2-1u) | ((rate3-1u) << 16);
   return edges;
 }
-CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
+CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
   return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u;
 }
-CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
-CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
+CVERT_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
+CVERT_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
 /*! Follows the header of a moving block, and VertEdges or VertNumbers if present. */
 struct VertMotion
@@ -123,18 +123,18 @@ struct VertMotion
 };
 CVERT_READABLE(VertMotion,4)
 
-CBVH_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
+CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
 /*! Byte offset of VertMotion. */
-CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
+CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
 /*! Groups along a side of a block with `quads` quads. */
-CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
+CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
 /*! Quads along a side of group g. quads: along the same side of the block. */
-CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
+CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
   return rest < groupQuads ? rest : groupQuads;
@@ -148,27 +148,27 @@ CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
  * cell's word stores main axis and slopes: the accessors of cell.h apply to both. */
 
 /*! Margins on an axis are multiples of 2^marginShift coordinates. */
-CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
+CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
 
-CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
+CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
 
 /*! Slope s1 or s2 (i = 1 or 2), in 1/16. */
-CBVH_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
+CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
 /*! Unit of VertHeader::reach, in coordinates. Bits 0..7 and 8..15 of reach are the upper bounds on the axes m+1 and
  *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
  *  coordinate. */
-CBVH_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
 
 /*! Byte i of reach, in units of reachStep. */
-CBVH_FUNCTION int reachOf (uint32_t reach, int i)
+CVERT_FUNCTION int reachOf (uint32_t reach, int i)
 {
   int bits = int((reach >> (8*i)) & 255u);
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
 CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
-CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
+CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
 
 /* Coordinates leave two bits free in each of the 12 values of corners. For value i, in order of corners:
  *
@@ -176,20 +176,20 @@ CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
 /*! Returns bit `at` (14 or 15) of both values in a word of corners, of the lower value in bit 0. */
-CBVH_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
+CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
   return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
 }
 
 /*! The same for the 8 values in four words. */
-CBVH_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
+CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
 
 /*! c4, c5: the last two words of corners. Steps of moving blocks have version 0. */
-CBVH_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
+CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,15u) | cornerBits(c5,15u) << 2;
 }
-CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
+CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
 }
 
@@ -197,7 +197,7 @@ CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
 struct VertSpacing { float at[3]; };
 
 /*! word: of the first cell. c0 to c3: the first four words of corners. */
-CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
+CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
 {
   VertSpacing spacing;
   spacing.at[0] = floatOfBits((word >> 24) << 23);
@@ -211,7 +211,7 @@ CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, 
 struct BlockReach { float upper[2], sheared[2]; };
 
 /*! step: reachStep. The products are exact. */
-CBVH_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
   BlockReach bounds;
@@ -225,16 +225,16 @@ CBVH_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_
 /*! Upper bound, on any axis, of the distance from the origin to vertices and planes of boxes. Slopes are less than 1,
  *  so no vertex is farther than the sum of the bounds; margins may double this. One bound for all axes, because the
  *  shear of a ray mixes their rounding errors. */
-CBVH_FUNCTION float extentOfReach (BlockReach bounds) {
+CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
+CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
 /*! Factor of the coordinate on axis m+i (i = 1 or 2) in h, which is in spacings of m. */
-CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
+CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
@@ -242,7 +242,7 @@ CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 
 /*! Word of group g's cell. words, wordsHigh: byte offsets of the words' lower 16 and upper 8 bits. Without hasHighBits,
  *  the upper bits are 0 and not stored. */
-CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
                                      uint32_t g)
 {
   uint32_t low = halfAt(data,words+2u*g);
@@ -251,7 +251,7 @@ CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, ui
 
 /*! Byte offset after the fields of the first `groups` groups. cell, word: fields and word of the first cell. words: see
  *  wordOfGroup. */
-CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
+CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
@@ -267,24 +267,24 @@ CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uin
  *
  * Remainders are stored row by row, x, y and z of each vertex, without gaps. */
 
-CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
-CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
-CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
+CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
+CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
 /*! Stored bits per vertex on an axis: of a remainder, or 32 of a float. */
-CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
+CVERT_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
 /*! Stored bits per vertex on all axes. */
-CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) {
+CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
 /*! Offset of a remainder, in bits from the start of the block. vertex: index, row by row. */
-CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
+CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
   if (axis > 0) bit += storedRemainderBits(remainders,0);
@@ -292,28 +292,28 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
   return bit;
 }
 
-CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
+CVERT_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
 /*! Adds a remainder to a world coordinate, or returns the float that replaces both. word: the remainder, in the lowest
  *  bits. bits: remainderBits, not 0. */
-CBVH_FUNCTION float addRemainder (float without, uint32_t word, uint32_t bits, float spacing)
+CVERT_FUNCTION float addRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
   return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
 }
 
-CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
+CVERT_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
 /* Distances, in coordinates, from the box of a group's corners to its box. margins: the group's byte for an axis.
  * shift: marginShift. */
-CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
-CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
+CVERT_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
+CVERT_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
 /* Corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
-CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
-CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
+CVERT_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
+CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
 }
 
@@ -332,7 +332,7 @@ struct VertLayout
   uint32_t rawBytes;
 };
 
-CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
+CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t begin = motionOffset(boxForm) + (isMoving(boxForm) ? vertMotionBytes : 0u);
   VertLayout offsets;
@@ -355,20 +355,20 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 
 /*! Returns the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate must equal quads,
  *  or be at most maxVertRate, so that the product fits into 32 bits. */
-CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
+CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
 
 /*! Patch parameter at vertex x of a row or column of `quads` quads, as in GRID. rate: of the row's edge, or `quads`
  *  inside the patch. */
-CVERT_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
+CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
 /* --- parts after the header ------------------------------------------------------------ */
 
 /*! Returns zeros if the block stores no edges. */
-CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
+CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
   edges.low = edges.high = 0u;
@@ -377,13 +377,13 @@ CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 }
 
 /*! Numbers as stored after the header; they may refer to VertTrianglePairs. Requires a block with numbers. */
-CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
+CVERT_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
 /*! Numbers of the quads, and distance between the numbers of a quad's triangles, 1 if not stored. Requires a block with
  *  numbers. */
-CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
+CVERT_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
   VertTrianglePairs pairs;
   pairs.numbers = storedNumbersOf(block);
@@ -397,15 +397,15 @@ CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block
   return pairs;
 }
 
-CBVH_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
+CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
 
-CBVH_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
+CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
 /*! Returns the primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y,
  *  because hits of a damaged block may lie outside it. */
-CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
+CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
   VertTrianglePairs pairs = trianglePairsOf(block);
   VertNumbers numbers = pairs.numbers;
@@ -435,7 +435,7 @@ CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, ui
   return primitive;
 }
 
-CBVH_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
+CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
   return primitiveOfQuad(block,x,y,false).primID;
 }
 

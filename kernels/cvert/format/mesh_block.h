@@ -64,67 +64,67 @@ struct MeshHeader
   uint32_t form;
 };
 
-CBVH_FUNCTION uint32_t meshVertices (uint32_t counts) { return (counts & 1023u) + 1u; }
-CBVH_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 15u) + 1u; }
-CBVH_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
-CBVH_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
+CVERT_FUNCTION uint32_t meshVertices (uint32_t counts) { return (counts & 1023u) + 1u; }
+CVERT_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 15u) + 1u; }
+CVERT_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
+CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
 /* Version and kind in `counts` and `form`, which are words 4 and 5 of corners in a grid block. */
-CBVH_FUNCTION uint32_t meshMarkOfCounts () {
+CVERT_FUNCTION uint32_t meshMarkOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
 }
-CBVH_FUNCTION uint32_t meshMarkOfForm () {
+CVERT_FUNCTION uint32_t meshMarkOfForm () {
   return (meshFormatVersion & 4u) << 13 | (meshFormatVersion & 8u) << 28 | (kindOfMesh & 4u) << 12
     | (kindOfMesh & 8u) << 27;
 }
 
 /* Version and kind of any block, from its words 12 and 13. */
-CBVH_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
-CBVH_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
+CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
+CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
-CBVH_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
+CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
 /*! True if coordinates on the axis are ranks. */
-CBVH_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
+CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
 /*! Position of a float in the sequence of all floats. Neighboring floats differ by 1. 0 has rank 2^31. */
-CBVH_FUNCTION uint32_t rankOfFloat (float x)
+CVERT_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
   return (bits >> 31) != 0u ? 0u - bits : bits + 0x80000000u;
 }
-CBVH_FUNCTION float floatOfRank (uint32_t rank) {
+CVERT_FUNCTION float floatOfRank (uint32_t rank) {
   return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank);
 }
 
 /*! Planes of groups' boxes are multiples of 2^meshBoxShift coordinates. */
-CBVH_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
+CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
   return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? minRankShift : 0u);
 }
 
-CBVH_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
+CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
 
 /*! Slope of axis m+i (i = 1 or 2), in 1/16. m: sheared axis. */
-CBVH_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
+CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
 /*! Bit of `form`: the primitives are quads with two triangles, (v0,v1,v3) and (v2,v3,v1). A triangle's number is twice
  *  the number of its primitive, plus 1 for the second. */
 CVERT_CONSTANT uint32_t meshHasQuads = 1u << 26;
 
 /* number: of a triangle, see meshHasQuads. */
-CBVH_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
+CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u ? number >> 1 : number;
 }
-CBVH_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
+CVERT_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u && (number & 1u) != 0u;
 }
 
 /*! Amount that the shear adds to the coordinate on axis m. c1, c2: coordinates on the axes m+1 and m+2. Rounds to
  *  nearest, halves up. */
-CBVH_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
+CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
 
@@ -135,18 +135,18 @@ CBVH_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
  *   bits 10..14    bits of a primitive number; 31 means 32
  *   bit 15         upper bit of the number of restarts, which is the number of strips minus 1 */
 
-CBVH_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
-CBVH_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) {
+CVERT_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
+CVERT_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) {
   return ((group >> 5) & 7u) | ((record >> 12) & 8u);
 }
-CBVH_FUNCTION uint32_t groupVertices (uint32_t record) { return record & 31u; }
-CBVH_FUNCTION uint32_t groupOwnVertices (uint32_t record) { return (record >> 5) & 31u; }
-CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
+CVERT_FUNCTION uint32_t groupVertices (uint32_t record) { return record & 31u; }
+CVERT_FUNCTION uint32_t groupOwnVertices (uint32_t record) { return (record >> 5) & 31u; }
+CVERT_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
 /*! Bits of an index below `count`. */
-CBVH_FUNCTION uint32_t bitsForIndex (uint32_t count)
+CVERT_FUNCTION uint32_t bitsForIndex (uint32_t count)
 {
   uint32_t bits = 0u;
   for (uint32_t rest=count-1u; rest != 0u; rest>>=1) bits++;
@@ -154,7 +154,7 @@ CBVH_FUNCTION uint32_t bitsForIndex (uint32_t count)
 }
 
 /*! Vertices in a group's stream: three for the first triangle of a strip, then one per triangle. */
-CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
+CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
 /* Topology of a group, in this order. Triangle 0 starts a strip, and the first three vertices of the stream are new.
  *
@@ -173,7 +173,7 @@ struct MeshTopology
 };
 
 /*! group, record: see groupTriangles. vertices: of the block. */
-CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
+CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
     locals = groupVertices(record);
@@ -192,12 +192,12 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
 }
 
 /*! Bits of a vertex's field on an axis. extent: of the group's box, as stored. */
-CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
+CVERT_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForIndex((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
 /*! Bits of a group's primitive numbers: a base, then a number per triangle. */
-CBVH_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
+CVERT_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
 
@@ -209,7 +209,7 @@ struct MeshLayout
   uint32_t topology;
 };
 
-CBVH_FUNCTION MeshLayout meshLayout (uint32_t counts)
+CVERT_FUNCTION MeshLayout meshLayout (uint32_t counts)
 {
   uint32_t groups = meshGroups(counts);
   MeshLayout offsets;
@@ -222,9 +222,9 @@ CBVH_FUNCTION MeshLayout meshLayout (uint32_t counts)
 /* Strips. Masks have a bit per triangle of the group. */
 
 /*! Mask of bits 0 to t. */
-CBVH_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
+CVERT_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
 
-CBVH_FUNCTION uint32_t countBits (uint32_t mask)
+CVERT_FUNCTION uint32_t countBits (uint32_t mask)
 {
   uint32_t count = mask - ((mask >> 1) & 0x55555555u);
   count = (count & 0x33333333u) + ((count >> 2) & 0x33333333u);
@@ -232,7 +232,7 @@ CBVH_FUNCTION uint32_t countBits (uint32_t mask)
 }
 
 /*! Position of the highest set bit. Requires a mask other than 0. */
-CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
+CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
 {
   uint32_t bit = 0u;
   for (uint32_t rest=mask >> 1; rest != 0u; rest>>=1) bit++;
@@ -244,7 +244,7 @@ struct StripTriangle { uint32_t v0, v1, v2; };
 
 /*! Finds triangle t without decoding the triangles before it. Bit 0 must be set in restarts and clear in fans. turn: of
  *  triangle t. */
-CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
+CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo);

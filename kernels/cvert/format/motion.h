@@ -44,27 +44,27 @@ struct VertStep
 CVERT_READABLE(VertStep,4)
 
 /* Units of VertStep::reach and VertStep::endReach, see reachStep. */
-CBVH_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
-CBVH_FUNCTION uint32_t endReachStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
+CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
+CVERT_FUNCTION uint32_t endReachStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
-CBVH_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
-CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
-CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
-CBVH_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
+CVERT_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
+CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
+CVERT_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
+CVERT_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
 /*! Entries of the matrix are multiples of 2^-rotationShift. 1 to 7 in valid blocks. */
-CBVH_FUNCTION uint32_t rotationShift (uint32_t rotation) { return 7u - ((rotation >> 16) & 7u); }
+CVERT_FUNCTION uint32_t rotationShift (uint32_t rotation) { return 7u - ((rotation >> 16) & 7u); }
 
 /*! Signed entry of the matrix in a byte of a word. */
-CBVH_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
+CVERT_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
 
 /*! Product of a row of the matrix and a residual. Rounds to nearest, halves up. */
-CBVH_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
+CVERT_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
 /*! True from the first step to the last, inclusive. */
-CBVH_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
+CVERT_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
 /*! The segment that contains a time, and the position in it from 0 to 1. Rounds as Embree does. */
 struct TimeInMotion
@@ -73,7 +73,7 @@ struct TimeInMotion
   float fraction;
 };
 
-CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
+CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 {
   float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
   TimeInMotion at;
@@ -84,7 +84,7 @@ CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 }
 
 /*! Interpolates bounds between the steps a and b. fraction: 0 to 1. */
-CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
+CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
 {
   float e = 1.0f-fraction;
   BlockReach bounds;
@@ -98,7 +98,7 @@ CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fractio
 /*! Distance by which planes of boxes must move outwards on an axis between two steps: interpolated vertices, origins
  *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b:
  *  origins of the steps. extent: the larger extentOfReach of both. */
-CBVH_FUNCTION float motionSlack (float a, float b, float extent) {
+CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
@@ -110,7 +110,7 @@ struct VertStepLayout
   uint32_t vertices, rawBytes; //!< offset of the vertices of a raw step, and size of the step
 };
 
-CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
+CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
   VertStepLayout offsets;
@@ -125,12 +125,12 @@ CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 }
 
 /*! Entry i of the matrix, row by row. */
-CBVH_FUNCTION int rotationEntry (CVERT_IN(VertStep) step, uint32_t i) {
+CVERT_FUNCTION int rotationEntry (CVERT_IN(VertStep) step, uint32_t i) {
   return i < 8u ? rotationEntry(step.matrix[i >> 2],i & 3u) : rotationEntry(step.rotation,3u);
 }
 
 /*! Requires step >= 1. */
-CBVH_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
+CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
   return CVERT_AS(VertStep,bytesAfter(block,wordAt(block,motionOf(block).steps/4u + step-1u)));
 }
 

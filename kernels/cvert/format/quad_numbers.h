@@ -42,7 +42,7 @@ struct VertTrianglePairs
 };
 CVERT_READABLE(VertTrianglePairs,4)
 
-CBVH_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
+CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
 
 /* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: turns of the first and the second triangle;
  * 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */
@@ -54,17 +54,17 @@ CVERT_CONSTANT uint32_t numbersOfTriangles = 4u;
 CVERT_CONSTANT uint32_t numbersOfOneTriangle = 8u;
 CVERT_CONSTANT uint32_t numbersOfTrianglePairs = 1u << 16;
 
-CBVH_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
-CBVH_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
-CBVH_FUNCTION bool haveTrianglePairs (uint32_t form) { return (form & numbersOfTrianglePairs) != 0u; }
-CBVH_FUNCTION bool isTriangleForm (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
-CBVH_FUNCTION bool isSingleTriangleForm (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
-CBVH_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
-CBVH_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
+CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
+CVERT_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
+CVERT_FUNCTION bool haveTrianglePairs (uint32_t form) { return (form & numbersOfTrianglePairs) != 0u; }
+CVERT_FUNCTION bool isTriangleForm (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
+CVERT_FUNCTION bool isSingleTriangleForm (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
+CVERT_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
+CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
   : 4)) & 3u; }
 
 /*! Number of quad x, y, minus VertHeader::primID. Requires a form without table. */
-CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
+CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
   uint32_t code = (form >> 8) & 255u;
@@ -78,12 +78,12 @@ CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32
 /*! Lowest bits of an entry in a table of triangles that store the turn. 30 bits remain for the number. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
-CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
+CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
 /*! Size of a table without padding. Readers may read 32 bits after its end. */
-CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
+CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
 /*! Primitive that a hit in a quad reports: the quad, or one of its triangles. */
 struct QuadPrimitive
@@ -96,7 +96,7 @@ struct QuadPrimitive
 struct PrimitiveParameters { float u, v; };
 
 /*! Converts position a, b in a quad to parameters of the application's quad or triangle. form: of QuadPrimitive. */
-CBVH_FUNCTION PrimitiveParameters primitiveParameters (uint32_t form, bool isSecond, float a, float b)
+CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t form, bool isSecond, float a, float b)
 {
   PrimitiveParameters parameters;
   parameters.u = a;

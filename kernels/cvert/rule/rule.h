@@ -80,7 +80,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
 /*! Factor of world axis m+i in the sheared coordinate. */
-CBVH_FUNCTION float shearOf (uint32_t boxForm, int i) {
+CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
@@ -100,7 +100,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval
 
 /*! Axis of the largest magnitude, or the first of several. NaN counts as largest. x, y, z: magnitudes. Without
  *  branches, which would be mispredicted. */
-CBVH_FUNCTION int largestAxis (float x, float y, float z)
+CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
   return 2*isZ + (isY & (1-isZ));
@@ -156,7 +156,7 @@ struct ExactProduct
   bool isNegative;
 };
 
-CBVH_FUNCTION ExactProduct exactProduct (float a, float b)
+CVERT_FUNCTION ExactProduct exactProduct (float a, float b)
 {
   uint32_t s = bitsOfFloat(a), t = bitsOfFloat(b);
   uint32_t m = s & 0x7FFFFFu, n = t & 0x7FFFFFu;
@@ -186,7 +186,7 @@ CBVH_FUNCTION ExactProduct exactProduct (float a, float b)
 }
 
 /*! Sign of |p| - |q|. */
-CBVH_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
+CVERT_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
 {
   bool isZeroP = (p.high | p.low) == 0u, isZeroQ = (q.high | q.low) == 0u;
   if (isZeroP || isZeroQ) return isZeroP ? (isZeroQ ? 0 : -1) : 1;
@@ -197,7 +197,7 @@ CBVH_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
 }
 
 /*! Sign of ax by - ay bx, by integer arithmetic. The arguments must be finite. */
-CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
+CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 {
   ExactProduct p = exactProduct(ax,by), q = exactProduct(ay,bx);
   if (p.isNegative == q.isNegative) return p.isNegative ? -compareMagnitudes(p,q) : compareMagnitudes(p,q);
@@ -206,19 +206,19 @@ CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
 /*! The same: products of floats are exact in double. */
-CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
+CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
   return p > q ? 1 : p < q ? -1 : 0;
 }
 #else
-CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
+CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
 /*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy isInside, but not
  *  haveExactSigns. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line,
  *  which other triangles cover. */
-CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
+CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
   if (!(size < infinity)) return false; // a vertex is not finite
@@ -305,7 +305,7 @@ CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneInt
 }
 
 /*! Distance along the ray at which it is nearest to the triangle's longest edge. */
-CVERT_WIDE CBVH_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
+CVERT_WIDE CVERT_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
   Wide best = Wide(-1.0f), t = Wide(0.0f);
@@ -331,7 +331,7 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle)
 
 /*! Distance of the hit of a triangle that the ray's line passes through. A ray in the plane hits where it is nearest to
  *  the longest edge, but not before tnear: otherwise it could leave a closed surface without a hit. */
-CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
+CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
 {
@@ -369,7 +369,7 @@ struct TriangleKey
 
 /*! True if a hit in a counts instead of a hit in b at the same distance. Makes results independent of the order in
  *  which blocks are tested. */
-CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
+CVERT_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
   if (a.primID != b.primID) return a.primID < b.primID;
@@ -377,15 +377,15 @@ CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 }
 
 /*! Corner (column + 2 row) of the quad at a vertex of triangle h of a group. h: TriangleKey::triangle modulo 32. */
-CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
+CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
 /* Position of triangle h's quad in the group. */
-CBVH_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
-CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
+CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
+CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
@@ -414,15 +414,15 @@ CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real 
 }
 
 /* First quad of a group in the patch. lane: column + 4 row of the group in the block, its lane in SIMD code. */
-CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) {
+CVERT_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) {
   return vertFirstX(region) + groupQuads*(lane & 3u);
 }
-CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) {
+CVERT_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) {
   return vertFirstY(region) + groupQuads*(lane >> 2);
 }
 
 /*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
-CBVH_FUNCTION bool hasStitchedEdge (uint32_t patchQuads, VertEdges edges)
+CVERT_FUNCTION bool hasStitchedEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return vertRate(edges,0) != quadsX || vertRate(edges,1) != quadsY || vertRate(edges,2) != quadsX
@@ -430,7 +430,7 @@ CBVH_FUNCTION bool hasStitchedEdge (uint32_t patchQuads, VertEdges edges)
 }
 
 /*! True if quad (x,y) is next to such an edge: its vertices are stitched. */
-CBVH_FUNCTION bool isAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
+CVERT_FUNCTION bool isAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return (y == 0u && vertRate(edges,0) != quadsX) || (x+1u == quadsX && vertRate(edges,1) != quadsY)
@@ -441,7 +441,7 @@ struct FaceParameters { float u, v; };
 
 /*! Face parameters at position (a,b) of a quad for which isAtStitchedEdge is true: those of its vertices, interpolated
  *  with barycentric weights. */
-CBVH_FUNCTION FaceParameters parametersAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
+CVERT_FUNCTION FaceParameters parametersAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);

@@ -21,7 +21,7 @@ LANGUAGE = {
     "CBVH_END": "",
     "CVERT_BEGIN": "",
     "CVERT_END": "",
-    "CBVH_FUNCTION": "",
+    "CVERT_FUNCTION": "",
     "CVERT_INLINE": "",
     "CVERT_REAL": "",
     "CVERT_WIDE": "",

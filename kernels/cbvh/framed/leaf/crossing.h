@@ -20,12 +20,12 @@ CVERT_REAL struct Parabola
   Real f0, f1, saddle;
 };
 
-CVERT_REAL CBVH_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
+CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
 /*! Returns the k at which f changes sign, or the end nearer to the patch if the signs at both ends are the same. */
-CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
+CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
   /* Solves saddle k^2 - b k - f0 = 0. The sum in q cannot cancel, and exactly one root is between 0 and 1. */
@@ -55,7 +55,7 @@ CVERT_REAL struct LipIntersection
 
 /*! p0, p1: distance of the ray from the side at entry and exit, in fractions of the box. Within the lip's width, f has
  *  its extremes at both ends or at the parabola's vertex. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
   CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipIntersection) at;
@@ -91,14 +91,14 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabo
 /* --- patches ------------------------------------------------------------------------- */
 
 /*! Height of a leaf's patch at (u,v) in its box. */
-CVERT_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
+CVERT_REAL CVERT_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
 {
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
 }
 
 /*! Slope of a leaf's patch along an axis of the frame. across: v for axis 0, u for axis 1. Solid leaves are flat. */
-CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
+CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
@@ -106,7 +106,7 @@ CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 }
 
 /*! Position of the ray at s in a box, clamped to 0 to 1. */
-CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
+CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
@@ -120,7 +120,7 @@ CVERT_REAL struct Crossing
 };
 
 /*! Requires a segment that intersects the leaf's box. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
 {
   CVERT_OF(Crossing) x;
   CVERT_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
@@ -157,7 +157,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
 
 /*! Intersects a ray with the lips of leaf (leafX,leafY). Returns the first one hit in the order of sides. last: index
  *  of the last leaf along a side of the block. */
-CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
   uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)
 {

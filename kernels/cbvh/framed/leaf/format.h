@@ -39,7 +39,7 @@ struct Heights
   uint32_t high;  //!< bytes 4 to 7
 };
 
-CBVH_FUNCTION bool hasSeparateLeaves (Heights heights) { return (heights.high >> 31) != 0u; }
+CVERT_FUNCTION bool hasSeparateLeaves (Heights heights) { return (heights.high >> 31) != 0u; }
 
 /* --- lattices ------------------------------------------------------------------------ */
 
@@ -48,10 +48,10 @@ CVERT_CONSTANT int latticeBins = 128; //!< possible heights, of 7 bits
 CVERT_CONSTANT float latticeRange = 1.5f;
 
 /*! Byte of Heights with the height of a vertex, 0 to 8, except for the middle vertex 4. */
-CBVH_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
+CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
 /*! Height of a vertex, in bins. */
-CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
+CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
 {
   if (vertex != 4) {
     int i = latticeByte(vertex);
@@ -66,21 +66,21 @@ CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
 /* Word: per axis 5 bits each for the lower outer, upper outer and middle plane; then the thickness. */
 CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
-CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
+CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
 /*! Distance of an outer plane from the parent's, in parent extents: up to a third, for quads that do not fill their
  *  parent. Steps grow with the code, from 1/256; small distances compensate for rounding of the parent. */
-CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
+CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
 /*! Position of the middle plane, in parent extents: 33/128 to 95/128. Rounded to nearest: it bounds nothing. */
-CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
+CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
 /*! Thickness in bins: 1, 2, 5 or 16. A bin covers the rounding of heights; the rest, the distance of straight edges
  *  from the lattice. */
-CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
+CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0 (lower), 1 (middle) or 2 (upper) on an axis of the frame. parent: box of the group. */
-CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
+CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
   float at = plane == 0 ? latticeOuter(bits & latticePlaneMask)
@@ -100,10 +100,10 @@ CVERT_CONSTANT int separateBins = 32;
 CVERT_CONSTANT float separateRange = 2.0f; //!< range of heights, in heights of the leaf's box
 CVERT_CONSTANT int separateThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
-CBVH_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
+CVERT_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 /*! Heights of a child, solidLeaf or emptyLeaf. */
-CBVH_FUNCTION uint32_t separateLeaf (Heights heights, int child)
+CVERT_FUNCTION uint32_t separateLeaf (Heights heights, int child)
 {
   int shift = separateBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & separateMask;
@@ -112,8 +112,8 @@ CBVH_FUNCTION uint32_t separateLeaf (Heights heights, int child)
   return bits & separateMask;
 }
 
-CBVH_FUNCTION int separateHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CBVH_FUNCTION float separateThicknessOf (Heights heights) {
+CVERT_FUNCTION int separateHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
+CVERT_FUNCTION float separateThicknessOf (Heights heights) {
   return separateThickness((heights.high >> (separateThicknessShift-32)) & 7u);
 }
 
@@ -123,7 +123,7 @@ CBVH_FUNCTION float separateThicknessOf (Heights heights) {
 struct HeightBins { float lower, size; };
 
 /*! range: extent of all bins, in heights of the box. */
-CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
+CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 {
   HeightBins bins;
   bins.lower = box.lower[2] - 0.5f*(range-1.0f)*box.extent[2];
@@ -131,7 +131,7 @@ CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
   return bins;
 }
 
-CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
+CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
 /*! A decoded leaf: a bilinear patch over a box, from which the surface deviates by half the thickness at most. */
 struct LeafPatch
@@ -143,7 +143,7 @@ struct LeafPatch
   bool empty;       //!< there is no surface
 };
 
-CBVH_FUNCTION LeafPatch decodeSeparateLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeSeparateLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.box = decodeChild(word,child,parent);
@@ -157,7 +157,7 @@ CBVH_FUNCTION LeafPatch decodeSeparateLeaf (uint32_t word, Heights heights, int 
   return leaf;
 }
 
-CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.solid = false;
@@ -185,7 +185,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
 }
 
 /*! child: column + 2 row. parent: decoded box of the group. */
-CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (hasSeparateLeaves(heights)) return decodeSeparateLeaf(word,heights,child,parent);
   return decodeLatticeLeaf(word,heights,child,parent);

@@ -69,7 +69,7 @@ struct WalkState
   bool found;       //!< a hit was accepted
 };
 
-CBVH_FUNCTION WalkState startOfWalk ()
+CVERT_FUNCTION WalkState startOfWalk ()
 {
   WalkState state;
   state.side = sideUnknown;
@@ -107,7 +107,7 @@ struct Verdict
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 
-CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
+CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 {
   Verdict v;
   v.hit = hit;
@@ -117,7 +117,7 @@ CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 }
 
 /*! State after an accepted hit. */
-CBVH_FUNCTION WalkState afterHit (WalkState state)
+CVERT_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
   state.pending = false;
@@ -125,7 +125,7 @@ CBVH_FUNCTION WalkState afterHit (WalkState state)
 }
 
 /*! The rule for a leaf whose box the ray crosses. */
-CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
+CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
@@ -154,13 +154,13 @@ CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 }
 
 /*! True if passBox() must be called for boxes that the ray passes. */
-CBVH_FUNCTION bool needsPassedBoxes (WalkState state) {
+CVERT_FUNCTION bool needsPassedBoxes (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
 /*! The rule for a box that the ray overlaps in x and y, but passes over (`above`) or under. Requires
  *  needsPassedBoxes(). */
-CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
+CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;
   next.side = above ? sideAbove : sideBelow;
