@@ -43,7 +43,7 @@ namespace embree
      *  "cbvh." kinds and unknown keys. verbose: prints version and settings. */
     void verify (const std::string& subdivAccel, bool verbose);
 
-    /*! Returns the effective settings of a geometry, without inherited ones. */
+    /*! Returns the effective settings of a geometry: no member is inherited. */
     CompressionSettings resolve (const CompressionSettings& device) const;
 
   private:
