@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* State of geometries that can be compressed, in addition to Embree's. The commit of a scene builds their blocks.
- * Moving subdivision surfaces, grids, quads and triangles that are compressed have the type GTY_COMPRESSED, which
- * Embree's kernels ignore. The commit of the geometry sets it. Static subdivision surfaces keep their type: if a scene
- * compresses one of them, its compressed tree contains all of them. */
+/* State of geometries that can be compressed, in addition to Embree's. The commit of a geometry changes the type of
+ * compressed moving cages, grids and meshes to GTY_COMPRESSED, which Embree's kernels ignore. Static cages keep their
+ * type: if a scene compresses one of them, its compressed tree contains all of them. The commit of a scene builds the
+ * blocks. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -31,22 +31,22 @@ namespace embree
     bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
     const char* rejectionReason = nullptr;             //!< why a requested compression was not done; may be empty
 
-    /*! Records a change of the mask, a filter, or whether the geometry is enabled, for which blocks remain valid.
-     *  counted: by how much Embree increments the geometry's modCounter_ for this change, 0 or 1. */
+    /*! Records a change of the mask, a filter or the enabled state, after which blocks remain valid. counted: 1 if
+     *  Embree increments the geometry's modCounter_ for it, otherwise 0. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
 
-    /*! Records a change of the surface, or of arguments of its displacement function, that Embree may not count. */
+    /*! Records a change of the surface, or of the displacement function's arguments, that Embree may not count. */
     void change () { changed = true; }
 
-    /*! True if blocks remain valid, because only the visibility changed since the last commit. If the application
-     *  committed without any detected change, blocks are rebuilt, because its displacement function may return other
-     *  values, unless the input was released. */
+    /*! True if blocks remain valid, because only the visibility changed since the last commit. A commit without a
+     *  detected change rebuilds blocks, because the displacement function may return other values, unless the input was
+     *  released. */
     bool isKept (unsigned modCounter) const {
       return (visibilityChanged || (inputReleased && blocks)) && !changed
         && modCounter - committedModCounter == visibilityChanges;
     }
 
-    /*! Ends a commit: later changes count from here. */
+    /*! Ends a commit. Later changes are relative to it. */
     void commit (unsigned modCounter)
     {
       visibilityChanged = changed = false;
@@ -65,7 +65,7 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! Type of compressed geometry, except for static subdivision surfaces. A value that Embree does not use. */
+    /*! Type of compressed geometry, except for static subdivision surfaces. Embree does not use this value. */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
@@ -80,8 +80,8 @@ namespace embree
     }
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
-    /*! True if blocks are traced instead of Embree's representation. Always false for static subdivision surfaces,
-     *  about which each scene decides (cbvh::hasCompressedGeometry). */
+    /*! True if blocks are traced instead of Embree's representation. False for static subdivision surfaces, about which
+     *  each scene decides (cbvh::hasCompressedGeometry). */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
     /*! False returns the geometry to Embree's kernels. */
@@ -101,7 +101,7 @@ namespace embree
     void requireInput (RTCBufferType type) const;
   };
 
-  /*! Null for types that cannot be compressed. */
+  /*! Returns null for types that cannot be compressed. */
   inline CompressibleGeometry* compressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
@@ -112,8 +112,8 @@ namespace embree
     }
   }
 
-  /*! Null unless a scene's tree of moving, or static, blocks may contain the geometry: it must be enabled, and
-   *  compressed or a static subdivision surface. */
+  /*! Returns the geometry if a scene's tree of moving, or static, blocks may contain it: it is enabled, and compressed
+   *  or a static subdivision surface. Otherwise null. geometry: may be null. */
   inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
@@ -122,18 +122,17 @@ namespace embree
       ? surface : nullptr;
   }
 
-  /*! Returns data, a buffer's contents. Throws if it is null because the input was released. */
+  /*! Returns data, the contents of a buffer. Throws if it is null because the input was released. */
   void* requireBuffer (Geometry* geometry, void* data);
 
-  /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if the
-   *  surface changed, so that Embree must read its buffers again. Throws rtcore_error if buffers are invalid, or were
-   *  released and not set again. */
+  /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if Embree
+   *  must read its buffers again. Throws rtcore_error if buffers are invalid, or were released and not set again. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
   bool beginCommit (QuadMesh* mesh);
   bool beginCommit (TriangleMesh* mesh);
 
-  /*! Ends the commit of a geometry. If it is compressed and its settings request that its input be released, builds its
+  /*! Ends the commit of a geometry. If it is compressed and its settings request the release of its input, builds its
    *  blocks and releases the input. */
   void endCommit (SubdivMesh* mesh);
   void endCommit (GridMesh* mesh);

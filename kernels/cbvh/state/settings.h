@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compression settings of a device or a geometry. A member that is not set is inherited: a geometry inherits from the
- * device string, then from the environment, then from the defaults. resolve() computes the effective settings. */
+/* Compression settings of a device or a geometry. A geometry inherits unset members from the device string, then from
+ * the environment, then from the defaults. */
 
 #include "../../../include/embree3/rtcore_compression.h"
 #include <string>
@@ -28,22 +28,22 @@ namespace embree
     void* progressUserPtr = nullptr;
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
-     *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error with key and
-     *  value if one of them is invalid. Keeps keys that are not known at all for verify(). */
+     *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error, with key and value,
+     *  for invalid values. Keeps unknown keys for verify(). */
     bool parse (const Token& key, TokenStream& stream);
 
-    /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT needs less memory than cGRID, is smaller and more exact
-     *  than cLEAF, and builds fastest. cVOXEL may be smaller, but its boxes are not a surface to shade. */
+    /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
+     *  more exact than cLEAF. cVOXEL may be smaller, but its boxes cannot be shaded. */
     static const RTCCompression bestCompression = RTC_COMPRESSION_CVERT;
 
     /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
     void parseEnvironment ();
 
     /*! Applies a complete device string's subdiv_accel; "default" has no effect. Throws rtcore_error for unknown
-     *  "cbvh." kinds and unknown keys. verbose: print version and setting above Embree's banner. */
+     *  "cbvh." kinds and unknown keys. verbose: prints version and settings. */
     void verify (const std::string& subdivAccel, bool verbose);
 
-    /*! Returns the effective settings of a geometry; none is inherited. */
+    /*! Returns the effective settings of a geometry: no member is inherited. */
     CompressionSettings resolve (const CompressionSettings& device) const;
 
   private:

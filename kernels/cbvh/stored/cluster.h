@@ -41,13 +41,13 @@ namespace embree
       const void* data;            //!< aligned to 4 bytes
       size_t bytes;
       const uint8_t* indices;      //!< three per triangle; for DGF in a decoder's order
-      /*! Per triangle, its number in the part: 2 ((part->width-1) y + x) for quad x, y, plus 1 for its second
-       *  triangle. */
+      /*! Per triangle, its number in the part: 2 ((part->width-1) y + x) for the first triangle of quad x, y, plus 1
+       *  for the second. */
       const uint32_t* triangles;
-      /*! Number of triangles in all previous clusters. The first primitive index of a DGF block. */
+      /*! Number of triangles in all previous clusters; the first primitive index of a DGF block. */
       uint32_t firstTriangle;
-      /*! In vertices, if the cluster is a whole grid, row by row: such clusters of the same size have the same indices.
-       *  Otherwise, and for DGF, 0, 0. */
+      /*! Size in vertices if the cluster is a whole grid, stored row by row: those of the same size have the same
+       *  indices. Otherwise, and for DGF, 0. */
       uint32_t width, height;
       const StoredPart* part;
     };

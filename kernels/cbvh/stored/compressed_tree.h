@@ -7,8 +7,8 @@
 
 namespace embree
 {
-  /*! A scene's tree over its static, or its moving, compressed surfaces: Embree's BVH4, whose leaves are blocks or
-   *  grids of GRID (base/primitive_type.h). */
+  /*! A scene's tree over its static, or moving, compressed surfaces: Embree's BVH4, whose leaves are blocks or grids of
+   *  GRID (base/primitive_type.h). */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;

@@ -19,13 +19,13 @@ namespace embree
       float u[3], v[3];
     };
 
-    /*! The quads of a block: up to 16 x 16 of cVERT, up to 256 x 256 of cGRID. Neighboring parts store shared vertices
-     *  as the same floats; parts of cGRID only within a face. */
+    /*! The quads of a block: up to 16 x 16 of cVERT, up to 256 x 256 of cGRID. Neighboring parts, in cGRID only of one
+     *  face, store shared vertices as the same floats. */
     struct StoredPart
     {
       uint32_t primID;           //!< of all quads, if primitivesPerQuad is 0
       uint32_t width, height;    //!< in vertices
-      /*! width*height vertices, row by row. Triangles with a vertex that is not finite are left out. */
+      /*! width*height vertices, row by row. Rays miss triangles with a vertex that is not finite. */
       const float* vertices;
       const float* parameters;   //!< u, v per vertex; null unless primitivesPerQuad is 0
       const uint32_t* primIDs;   //!< primitivesPerQuad per quad, row by row

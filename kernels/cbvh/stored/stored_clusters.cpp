@@ -106,7 +106,7 @@ namespace embree
           return true;
         }
 
-        /*! Emits a piece of a rectangle. rect: rectangle whose vertices are in `points`. */
+        /*! Emits a piece of a rectangle. rect: contains the piece; `points` has its vertices. */
         bool emitDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
@@ -120,7 +120,7 @@ namespace embree
                            "2^29, because primitive indices of DGF have 29 bits");
           if (!block.write(triangles,points,uint32_t(report.numTriangles)))
           {
-            /* The tiling assumes that no triangle is missing. If some are, the piece may need more strips of triangles
+            /* The tiling assumes that no triangle is missing. Otherwise the piece may need more strips of triangles
              * than fit: halve it. */
             QuadRectangle halves[2] = { piece,piece };
             if (piece.width >= piece.height) {

@@ -46,7 +46,7 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! Position of a block's quads in their patch, from which parameters follow. Numbers of quads are along u and
+      /*! Position of a block's quads in their patch, which determines parameters. Pairs of numbers are along u and
        *  v. */
       struct Place
       {
@@ -75,7 +75,7 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! Rate of a row (d = 0) or column (d = 1) of vertices: the edge's rate on an edge of the patch, otherwise the
+        /*! Rate of a row (d = 0) or column (d = 1) of vertices: of the edge, on an edge of the patch, otherwise the
          *  number of quads. across: number of the row or column in the patch. */
         uint32_t rate (int d, uint32_t across) const {
           return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
@@ -143,9 +143,9 @@ namespace embree
         }
       }
 
-      /*! Finds the triangle of a hit by its primitive and its parameters u and v. Rounding can move these across an
-       *  edge, so it accepts triangles within a small distance of (u,v) in parameters, and takes the best one: by the
-       *  angle between its normal and Ng, or by that distance if Ng is null. */
+      /*! Finds the triangle of a hit by its primitive and parameters. Rounding can move these across an edge, so it
+       *  accepts triangles near (u,v) and selects the one whose normal has the smallest angle with Ng, or the nearest
+       *  one in parameter space if Ng is null. */
       class Search
       {
       public:
@@ -211,8 +211,7 @@ namespace embree
           {
             x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
             reach[d] = slackOf(parameters[d])*place.patchQuads[d];
-            /* at edges of lower rates, vertices are stitched: their parameters differ by up to one quad of these
-             * edges */
+            /* vertices at edges of lower rates are stitched: parameters differ by up to one quad of these edges */
             if (place.isCut)
               reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
@@ -246,7 +245,7 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        /*! Keeps a triangle if it is the best so far. vertexU, vertexV: parameters at its vertices. */
+        /*! Stores a triangle in `best` if it is the best so far. vertexU, vertexV: parameters at its vertices. */
         void addCandidate (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -273,8 +272,7 @@ namespace embree
           }
         }
 
-        /*! Returns the squared sine of the angle between a triangle's normal and Ng, in either direction; 2 if one of
-         *  them is zero. */
+        /*! Returns the squared sine of the angle between the line of a triangle's normal and Ng; 2 if one is zero. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -293,8 +291,8 @@ namespace embree
         const float* const Ng;
         StoredTriangle& best;
         bool hasBest = false;
-        /* slack: largest accepted distance from a triangle, in barycentric coordinates. bestCost: see addCandidate() */
-        double slack = 0, bestCost = 0;
+        double slack = 0,    //!< largest accepted distance from a triangle, in barycentric coordinates
+          bestCost = 0;      //!< see addCandidate()
       };
     }
 
@@ -349,9 +347,7 @@ namespace embree
       return search.found();
     }
 
-    /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
-     *  other triangle, until it returns false. Quads with triangles in different blocks are two parts. Returns the last
-     *  result. */
+    /*! forEachPart() for a mesh block. Returns the last result of closure. */
     static bool forEachMeshPart (const StoredBlock& block, const TraversalTime& time,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

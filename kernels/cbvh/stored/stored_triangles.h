@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Reads the triangles of a surface as they are stored, for core/stored_surface.h. Traversal does not use this code, but
+/* Reads the triangles of a surface as they are stored, for core/stored_surface.h. Traversal has code of its own, which
  * computes the same floats. */
 
 #include "../framed/block.h"
@@ -22,8 +22,7 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Time of rays, and how traversal interpolates vertices there. isFused: the device's intersectors use fused
-     *  multiply-adds. */
+    /*! Time of rays. isFused: the device's intersectors interpolate vertices with fused multiply-adds. */
     struct TraversalTime
     {
       float time;
@@ -45,7 +44,8 @@ namespace embree
 
       uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
-      /*! True if each quad, or each of its two triangles, is a primitive: the block is of a quad or triangle mesh. */
+      /*! True if each quad, or each of its two triangles, is a primitive: the block belongs to a quad or triangle
+       *  mesh. */
       bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
@@ -71,8 +71,8 @@ namespace embree
       void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) until it returns false. Quads of a mesh block are parts if both triangles are in the
-     *  block; other triangles are parts of their own. Throws if a block is not cVERT, cGRID or a mesh block. */
+    /*! Calls closure(block, part) until it returns false. The triangles of a quad in different mesh blocks are parts of
+     *  their own, as are triangles without a partner. Throws if a block is not cVERT, cGRID or a mesh block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

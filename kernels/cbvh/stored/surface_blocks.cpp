@@ -55,8 +55,8 @@ namespace embree
         Lock<MutexSys> lock(mutex);
         if (geometry->surface.number) return geometry->surface.number;
       }
-      /* The mutex must not be locked here, because constructor and destructor of SurfaceNumber lock it. If another
-       * thread assigns a number meanwhile, this one is discarded. */
+      /* Not under the mutex, which constructor and destructor of SurfaceNumber lock. If another thread assigns a number
+       * meanwhile, this one is discarded. */
       std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>();
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.number == nullptr) geometry->surface.number = number;
@@ -75,8 +75,7 @@ namespace embree
 
     void updateSurfaceIDs (Scene* scene)
     {
-      /* if false, Embree traces static surfaces, and their grids store IDs */
-      const bool isStill = hasCompressedGeometry(scene,false);
+      const bool isStill = hasCompressedGeometry(scene,false); // otherwise Embree traces them, and its grids store IDs
       std::vector<std::pair<uint32_t,uint32_t>> names;
       for (size_t i=0; i<scene->size(); i++)
         for (bool moves : { false,true }) {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The blocks of a geometry and the tree above them: the result of building/surface_builder.h or files/loaded_surface.h.
- * Shared by the geometry and all scenes that trace it, and independent of scenes and geometry IDs. Immutable once
- * built, except for `boxes` and the index. */
+/* The blocks of a geometry and the tree above them, which building/surface_builder.h or files/loaded_surface.h makes.
+ * Independent of scenes and geometry IDs: shared by the geometry and all scenes that trace it. Immutable once built,
+ * except for `boxes` and the index. */
 
 #include "../base/block_memory.h"
 #include "../base/step_box.h"
@@ -30,12 +30,12 @@ namespace embree
     const uint64_t build;                              //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
-    /*! Parts over which scenes build their trees: blocks, or subtrees of a few blocks. Box and BVH4::NodeRef of
-     *  each. */
+    /*! Bounds and BVH4::NodeRefs of the parts over which scenes build their trees: blocks, or subtrees of a few
+     *  blocks. */
     mvector<PrimRef> parts;
-    /*! BVH4::NodeRefs of the blocks of a moving surface, which has no parts. Scenes build their trees over them. */
+    /*! BVH4::NodeRefs of the blocks of a moving surface, over which scenes build their trees. It has no parts. */
     mvector<size_t> moving;
-    /*! Boxes of moving blocks at their steps, block by block. Released after the first build; later users decode the
+    /*! Boxes of moving blocks at their steps, block by block. Null after the first build; later users decode the
      *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
@@ -56,17 +56,17 @@ namespace embree
     /*! True if one of a scene's moving, or static, surfaces is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
-    /*! Sets scene->surfaceIDs, which maps the numbers of the scene's surfaces to geometry IDs. Thread-safe. */
+    /*! Sets scene->surfaceIDs, which maps surface numbers to geometry IDs. Thread-safe. */
     void updateSurfaceIDs (Scene* scene);
 
-    /*! Returns the surface number of a geometry. The first call assigns it. Thread-safe. */
+    /*! Returns the surface number of a geometry, which the first call assigns. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
     /*! Returns the blocks of a geometry, or null if they must be built. Thread-safe. */
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
-    /*! Sets the blocks of a geometry, unless another scene that was built concurrently already did. Returns the
-     *  geometry's blocks. Thread-safe. */
+    /*! Sets the blocks of a geometry, unless a concurrent build of another scene did. Returns the geometry's blocks.
+     *  Thread-safe. */
     std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
                                                      const std::shared_ptr<const SurfaceBlocks>& blocks);
   }

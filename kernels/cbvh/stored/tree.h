@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Trees above static blocks, from Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene
- * has a tree over parts of its surfaces, which are subtrees of a few blocks: it is fast to build, but as good as a tree
- * over all blocks. Moving blocks have building/motion_tree.h instead. */
+/* Trees above static blocks, from Embree's binned SAH builder for BVH4. A surface has a tree over its blocks, a scene a
+ * tree over parts of its surfaces: subtrees of a few blocks. This is fast to build, and as good as a tree over all
+ * blocks. Moving blocks have building/motion_tree.h instead. */
 
 #include "../embree/scene.h"
 
@@ -16,8 +16,8 @@ namespace embree
     /*! Maximum number of blocks in a part. */
     static const size_t blocksOfPart = 16;
 
-    /*! Counts the nodes of a tree whose leaves are marked as barriers, and removes the marks. (A barrier is a bit in
-     *  Embree's references. Without it, a leaf that is a subtree would be counted too.) */
+    /*! Counts the nodes of a tree whose leaves have Embree's barrier bit, and clears these bits. Without them, nodes of
+     *  leaves that are subtrees would be counted too. */
     inline size_t countNodes (BVH4::NodeRef& ref)
     {
       if (ref.isBarrier()) { ref.clearBarrier(); return 0; }
@@ -27,8 +27,8 @@ namespace embree
       return n;
     }
 
-    /*! Builds a tree with one leaf per primitive and returns its root. prims: box and ID, a BVH4::NodeRef of a block or
-     *  subtree; reordered. nodes: set to the number of nodes. progress() may throw to cancel. */
+    /*! Builds a tree with one leaf per primitive and returns its root. prims: bounds, and as ID the BVH4::NodeRef of a
+     *  block or subtree; reordered. nodes: set to the number of nodes. progress() may throw to cancel. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)
@@ -57,8 +57,8 @@ namespace embree
       return root;
     }
 
-    /*! Moves the largest nodes, which most rays traverse, next to each other, so that they share cache lines and pages.
-     *  Returns the new root. The old nodes stay allocated but unused: count limits them to half a percent. */
+    /*! Copies the largest nodes, which most rays traverse, next to each other, so that they share cache lines and
+     *  pages. Returns the new root. The old nodes, at most half a percent, stay allocated but unused. */
     inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
     {
       const size_t count = numNodes/200;

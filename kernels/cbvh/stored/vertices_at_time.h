@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Vertices of a cVERT or mesh block at the time of a ray: the same floats that traversal computes, but for one block
- * and without vectors. */
+/* Vertices of a cVERT or mesh block at the time of a ray: the same floats that traversal computes, without SIMD. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"

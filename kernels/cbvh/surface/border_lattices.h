@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lattices of primitives and shared vertices per time step: part 3 of the rule in shared_border.h. A Topology
- * determines which vertices are shared. Threads call its members concurrently, for different primitives:
+/* Lattices of primitives and shared vertices per time step: part 3 of the rule in shared_border.h. A Topology has these
+ * members, which threads call concurrently for different primitives:
  *
  *   typedef Scratch
  *       Memory of a task, constructed from a Device*.
@@ -15,8 +15,8 @@
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
- *       Adds the borders and the middles of the primitive's patches. Returns false if it has no vertices at that step.
- *       May store vertices for later: it is called once per primitive and step, the steps of a primitive in order.
+ *       Adds the borders and middles of the primitive's patches. Returns false if it has no vertices at that step.
+ *       Called once per primitive and step, in the order of steps, so that it may store vertices for later.
  *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
  *       Calls closure for each element that the primitive may share with others. An element is the number of vertices
  *       with one lattice: a corner, the interior of an edge, or one vertex. */
@@ -34,20 +34,19 @@ namespace embree
 {
   namespace isa
   {
-    /*! Chooses a primitive's lattice at one time step, from samples of its vertices: a finer one where edges are
-     *  short. */
+    /*! Chooses a primitive's lattice at one time step from samples of its vertices. */
     class LatticeChoice
     {
     public:
-      /*! ofEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for evaluated
-       *  vertices. */
+      /*! ofEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for vertices that
+       *  were evaluated. */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
-      /*! Call it once per patch. quads: along u and v. */
+      /*! Call this once per patch. quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! Adds a row or column of vertices. isCoarse: a border whose rate is lower than its patch's, so its edges are
-       *  longer than the patch's quads; used only if there are no others. */
+      /*! Adds a row or column of vertices. isCoarse: a border with a lower rate, and so longer edges, than its patch;
+       *  used only if there are no others. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
@@ -70,8 +69,8 @@ namespace embree
       double edge () const { return medianEdge; }
 
     private:
-      /*! Returns the spacing that max_error or maxPixelError requests, or the default. For maxPixelError, the distance
-       *  from the camera is that of the samples' bounding box, enlarged by a quarter per side for vertices between
+      /*! Returns the spacing that max_error or maxPixelError requests, or the default. maxPixelError applies at the
+       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for vertices between
        *  samples. */
       double requestedSpacing (const CompressionPlan& plan, double byDefault) const
       {
@@ -108,8 +107,7 @@ namespace embree
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Chooses the lattices of all primitives. Call it before share(). Regularly calls progress(), which may throw to
-       *  cancel. */
+      /*! Chooses the lattices of all primitives. Call this before share(). */
       template<typename Topology, typename Progress>
       void choose (Topology& topology, size_t perTask, const Progress& progress)
       {
@@ -142,8 +140,8 @@ namespace embree
           warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
-      /*! Chooses the lattices of elements 0 to numElements-1. All start with the finest lattice of all primitives, so
-       *  that few must be raised. Elements without a primitive keep it. */
+      /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives. Elements
+       *  without a primitive get the finest lattice of all. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
@@ -161,7 +159,7 @@ namespace embree
 
       void clear () { own.clear(); shared.clear(); }
 
-      /*! Exponent of a primitive's lattice; exactLattice if it has no vertices at that step. */
+      /*! Exponent of a primitive's lattice; exactLattice if the primitive has no vertices at that step. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
       /*! Exponent of an element's lattice; exactLattice if GRID traces one of its primitives. */

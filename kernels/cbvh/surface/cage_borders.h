@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Vertices on the borders of the faces of a cage, by the rule in shared_border.h. Two faces evaluate a shared vertex
- * some units in the last place (ulps) apart, and far apart where normals differ or a height map jumps. cage_topology.h
- * finds the owners.
+/* Vertices on the borders of a cage's faces, by the rule in shared_border.h. Two faces evaluate a shared vertex some
+ * ulps (units in the last place) apart, and far apart where normals differ or a height map jumps. cage_topology.h finds
+ * the owners.
  *
- * An n-gon (a face without four corners) has a patch at each corner. It owns its center and the spokes from there to
- * the middles of its edges, which only its patches share.
+ * An n-gon (a face without four corners) has a patch at each corner. Only these patches share its center and the spokes
+ * from there to the middles of its edges.
  *
  * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Points of
  * edges use 12 bytes each until the build ends. Evaluating the border of a small patch costs as much as the whole
@@ -32,8 +32,7 @@ namespace embree
         : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
           points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
 
-      /*! Finds owners, evaluates their vertices and chooses all lattices. Regularly calls progress(), which may throw
-       *  to cancel. */
+      /*! Finds owners, evaluates their vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
@@ -47,7 +46,7 @@ namespace embree
       /*! Exponent of the spacing of a face's lattice. */
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! Returns a patch's evaluated vertices, row by row, or null if the surface is too large to keep them. */
+      /*! Returns a patch's evaluated vertices, row by row; null unless the surface is small. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
@@ -127,8 +126,8 @@ namespace embree
       static size_t edgeElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* `points` lists, for each half-edge in order: its corner and the interior of its edge if it owns them, then its
-       * spoke. The center of an n-gon follows the points of its last half-edge. centerPoint() of any other half-edge is
-       * the end of its points. */
+       * spoke. The center of an n-gon follows the points of its last half-edge. For other half-edges, centerPoint() is
+       * the end of their points. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
@@ -140,7 +139,6 @@ namespace embree
       float* point (size_t i, unsigned step) { return points.data() + 3*(step*numPoints + i); }
       const float* point (size_t i, unsigned step) const { return points.data() + 3*(step*numPoints + i); }
 
-      /*! Assigns indices of `points`. */
       void placePoints ()
       {
         cbvh::resizeToFit(firsts,topology.numHalfEdges());
@@ -154,7 +152,7 @@ namespace embree
           std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! Makes room for all vertices if the surface has few. */
+      /*! Allocates memory for all vertices if the surface has few. */
       void placeKept ()
       {
         const size_t most = maxKept/plan.numTimeSteps;
@@ -203,8 +201,8 @@ namespace embree
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
-        /* Stores vertex k of the side, counted around the patch, as point i: the line's first vertex that is stitched
-         * to k. */
+        /* Stores vertex k of the side, counted around the patch, as point i. It is the line's first vertex that is
+         * stitched to k. */
         auto keep = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
@@ -247,7 +245,7 @@ namespace embree
         return side;
       }
 
-      /*! The side of an n-gon's patch between the middle of edge h and the center of the face. */
+      /*! Returns the side of an n-gon's patch between the middle of edge h and the center of the face. */
       CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);

@@ -4,7 +4,7 @@
 #pragma once
 
 /* A patch of a cage, for CageSource (building/cage_source.h): a face with four corners, or the part of another face at
- * one of its corners. source.h describes the members. */
+ * one of its corners. See source.h. */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -16,8 +16,7 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! borders: null if the compression plan shares no borders; side() and latticeExponent() must then not be
-       *  called. */
+      /*! borders: null if the plan shares no borders; side() and latticeExponent() must then not be called. */
       CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
                  PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))

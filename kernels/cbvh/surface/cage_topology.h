@@ -10,9 +10,8 @@
  *    x----o----o----o----x    that can be reached from A or B by crossing edges. The number of a
  *          face B             claim is the index of a half-edge.
  *
- * A non-manifold edge, with three or more faces, has half-edges without an opposite. Embree keeps its vertices in
- * place, so the edge is straight and equal in all faces. All faces share the edge and its two corners. It does not
- * matter for the owner of the edge which faces GRID traces. */
+ * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps its vertices in
+ * place, so the edge is straight and equal in all faces, whichever GRID traces. All share it and its two corners. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -43,7 +42,7 @@ namespace embree
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
-      /*! Fills all half-edges. Regularly calls progress(), which may throw to cancel. */
+      /*! Computes the data of all half-edges. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
@@ -62,7 +61,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return halfEdges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return halfEdges[i].owner == i; }
 
-      /*! Calls closure for each half-edge of a face, or not at all if the face does not participate. */
+      /*! Calls closure for each half-edge of a participating face. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -84,8 +83,7 @@ namespace embree
           });
       }
 
-      /*! Index of the last face's last half-edge, plus 1. The index buffer and Embree's array of half-edges can have
-       *  more entries. */
+      /*! Index of the last face's last half-edge, plus 1. Embree's array of half-edges can have more entries. */
       size_t countHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
@@ -134,9 +132,8 @@ namespace embree
           });
       }
 
-      /*! Calls closure for e, and for all half-edges at the same vertex that belong to participating faces and can be
-       *  reached by crossing edges. If the vertex is on a border of the cage, it visits one direction, then the
-       *  other. */
+      /*! Calls closure for all half-edges, including e, that begin at e's vertex, belong to participating faces and can
+       *  be reached by crossing edges. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {
@@ -153,7 +150,8 @@ namespace embree
         }
       }
 
-      /*! Gives all half-edges of a non-manifold edge one owner and rate, and each of its ends one corner owner. */
+      /*! Sets one owner and rate for all half-edges of a non-manifold edge, and one corner owner for each of its
+       *  ends. */
       void joinNonManifold ()
       {
         std::vector<KeyedEdge> borders;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A warning for a max_error that is as large as the quads: their vertices would coincide, and pictures get speckles. */
+/* Warning for a max_error as large as the quads: their vertices would coincide, and pictures get speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -18,7 +18,7 @@ namespace embree
     static const double coarseSpacing = 0.5;
 
     /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge:
-     *  the lattice's spacing and the median edge, as means over a geometry's primitives. */
+     *  means over a geometry's primitives of the lattice's spacing and the median edge. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

@@ -3,23 +3,21 @@
 
 #pragma once
 
-/* Grids that an application diced: a grid geometry's grids (GridsOfGridMesh), or regions of a quad or triangle mesh
- * (GridsOfRegions, quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both classes have these
- * members, all thread-safe:
+/* Grids that an application diced, for GridSource (building/grid_source.h): the grids of a grid geometry
+ * (GridsOfGridMesh), or regions of a quad or triangle mesh (GridsOfRegions). Both have these thread-safe members:
  *
  *   typedef Mesh, Grid
  *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object.
  *   size_t size () const
  *       Number of grids.
  *   bool isValid (size_t i) const
- *       True if grid i has quads and all its vertices are in their buffer. No other member may be called for invalid
- *       grids.
+ *       True if grid i has quads and all its vertices are in their buffer. Other members require a valid grid.
  *   Grid operator[] (size_t i) const
  *       The vertices of a grid, by number.
  *   const float* position (size_t vertex, unsigned step) const
- *       Position of a vertex of the buffer at a time step; may be not finite.
+ *       Position of a vertex of the buffer. May be not finite.
  *   bool hasIrregular () const
- *       True if the geometry has primitives that are in no grid, and may share vertices with grids.
+ *       True if the geometry has primitives in no grid, which may share vertices with grids.
  *   bool number (size_t i, QuadNumbers& out) const
  *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
  *   static double spacingPerEdge ()
@@ -41,7 +39,7 @@ namespace embree
   {
     static_assert(minGridSide == QuadRegions::minRegionSide,"minGridSide must equal QuadRegions::minRegionSide");
 
-    /*! The vertices of one grid. Vertices: has width and height, in vertices, and vertex(x,y), a vertex's index in the
+    /*! The vertices of one grid. Vertices: has width and height, in vertices, and vertex(x,y), an index in the
      *  geometry's buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
@@ -50,8 +48,7 @@ namespace embree
 
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
-      /*! Returns vertex k of side s. Vertices are counted around the grid, sides are in the order of
-       *  SurfacePatch::rate. */
+      /*! Returns vertex k of side s, both numbered as in source.h. */
       size_t onSide (int s, unsigned k) const
       {
         switch (s) {
@@ -88,7 +85,7 @@ namespace embree
 
       bool isValid (size_t i) const { return i < mesh->grids.size() && hasQuads(i) && isInBuffer(i); }
 
-      /*! Grids without quads are not errors: Embree accepts them, and existing programs rely on that. */
+      /*! Grids without quads are no errors: Embree accepts them, and programs rely on that. */
       bool isError (size_t i) const { return i >= mesh->grids.size() || (hasQuads(i) && !isInBuffer(i)); }
 
       const float* position (size_t vertex, unsigned step) const {

@@ -8,7 +8,7 @@
 namespace embree
 {
   /*! A camera, and the requested size of quads in its picture: RTCDicingArguments without structSize. In world space
-   *  unless stated otherwise. Independent of Embree, for interfaces outside of libembree3. */
+   *  unless stated otherwise. Does not depend on Embree, so that kernels/beside can use it. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs, for core/dicing.cpp. Evaluates and displaces a grid of sample points, about
- * one per four quads along each side. */
+/* Measures how many quads a patch needs, for core/dicing.cpp, from displaced sample points: about one per four quads
+ * along each side. */
 
 #include "dicing_view.h"
 
@@ -15,9 +15,8 @@ namespace embree
   public:
     DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
 
-    /*! Estimates how many quads each edge of a patch needs. step: time step. (u0,v0): corner of the patch in parameters
-     *  of the face; the patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1, not
-     *  rounded. */
+    /*! Estimates how many quads each edge of a patch needs. (u0,v0): corner of the patch in parameters of the face; the
+     *  patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1, not rounded. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
       const unsigned fewest = 2, most = 64; // cells per side

@@ -51,8 +51,8 @@ namespace embree
     }
 
     /*! Returns the number of quads of the requested size per unit of length, on a cell with these corners; infinite at
-     *  the eye. The distance is that of the nearest point on the cell's borders and diagonals. The quads' growth
-     *  outside of the picture is that of the nearest point of a ball around the cell. */
+     *  the eye. Measures the distance to the nearest point on the cell's borders and diagonals, and the growth outside
+     *  of the picture at the nearest point of a ball around the cell. */
     double quadsPerUnit (const Double3 corners[4]) const
     {
       const Double3 center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
@@ -76,8 +76,8 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. It grows continuously with the distance from the picture, so that
-     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border. 1.15 is the
-     *  reciprocal of the sine of 60 degrees. */
+     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border: 1.15 =
+     *  1/sin(60 degrees). */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Estimated bytes of Embree's own acceleration structures and of blocks, without the application's vertices and
- * indices. They decide whether compression saves memory, and appear in the line about a commit. The constants fit the
- * measurements in docs/performance.md. */
+/* Estimated bytes of Embree's own acceleration structures and of blocks, without the application's buffers. They decide
+ * whether compression saves memory, and appear in the line about a commit. The constants fit the measurements in
+ * docs/performance.md. */
 
 #include <cstddef>
 

@@ -3,11 +3,9 @@
 
 #pragma once
 
-/* Vertices on the borders of diced grids, by the rule in shared_border.h. Grids have no topology: two grids share a
- * border vertex if it has the same index, or equal floats at all time steps (position_table.h). All owners have the
- * same position, so only lattices must be chosen.
- *
- * Lossless geometry shares nothing: its vertices stay in place. */
+/* Vertices on the borders of diced grids, by the rule in shared_border.h. Two grids share a border vertex if it has the
+ * same index, or equal floats at all time steps (position_table.h). All owners then have the same position, so only
+ * lattices are chosen. Lossless geometry shares nothing: its vertices stay in place. */
 
 #include "border_lattices.h"
 #include "diced_grids.h"
@@ -40,7 +38,7 @@ namespace embree
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
       bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. Regularly calls progress(), which may throw to cancel. */
+      /*! Finds shared vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {

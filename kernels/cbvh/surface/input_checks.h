@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks of the application's buffers before Embree or our builders read them. Embree checks few of them. All functions
- * throw rtcore_error, naming the first invalid value. */
+/* Checks of the application's buffers, of which Embree checks few. All functions throw rtcore_error, naming the first
+ * invalid value. */
 
 #include "../embree/scene.h"
 
@@ -26,16 +26,15 @@ namespace embree
         + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Throws if a cage's buffers are shorter than its faces and creases require: Embree would access memory past their
-   *  ends. */
+  /*! Throws if a cage's buffers are shorter than its faces and creases require. */
   void checkSizes (const SubdivMesh* mesh);
 
   /*! Throws if a face refers to missing indices or vertices. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! For uncompressed grids. Throws if a side has more than 32767 vertices, which Embree's kernel counts in 15 bits. */
+  /*! For uncompressed grids. Throws if a side has more vertices than Embree's kernel counts in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions. */
+  /*! Throws if all rows of a large grid are the same vertices: it could have billions of quads without area. */
   void checkStrides (const GridMesh* mesh);
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks, whose vertices
- * are on one lattice per time step. Vertices of triangles that the lattice would flip are exceptions, on finer
+/* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Their vertices
+ * are on one lattice per time step, except for vertices of triangles that this lattice would flip: these are on finer
  * lattices. They are found before any block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
@@ -20,8 +20,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! The triangles of a triangle or quad mesh, by number. Triangle i of a triangle mesh is primitive i. Triangles 2 i
-     *  and 2 i + 1 are the halves of quad i, split like in Embree. */
+    /*! The triangles of a mesh, by number. Triangle i of a triangle mesh is primitive i. Triangles 2 i and 2 i + 1 of a
+     *  quad mesh are the halves of quad i, split as in Embree. */
     class TrianglesOfMesh
     {
     public:
@@ -43,7 +43,7 @@ namespace embree
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
       /*! Sets pointers to the corners at the first step, in the application's order. Returns false if Embree skips the
-       *  primitive, because an index is out of range or a vertex is not finite at a step. */
+       *  primitive: an index is out of range, or a vertex is not finite at a step. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
@@ -86,8 +86,8 @@ namespace embree
       const size_t stride;
     };
 
-    /*! The border vertices of grids as they are stored. Triangles that share them use the same floats, which closes the
-     *  gap between grids and mesh blocks. */
+    /*! Border vertices of grids as they are stored. Triangles that share them use the same floats, so that there are no
+     *  gaps between grids and mesh blocks. */
     class StoredBorders
     {
     public:
@@ -99,7 +99,7 @@ namespace embree
       ~StoredBorders () {}
     };
 
-    /*! After prepare(), threads may call const members at the same time. */
+    /*! After prepare(), const members are thread-safe. */
     class IrregularTriangles
     {
     public:
@@ -117,8 +117,8 @@ namespace embree
           : bytesOfTriangleInEmbree(plan.numTimeSteps));
       }
 
-      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
-       *  grids, valid until release(), or null. Regularly calls progress(), which may throw to cancel. */
+      /*! Chooses the lattices, and finds the triangles that a ray can hit. borders: of the mesh's grids, valid until
+       *  release(), or null. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -153,8 +153,8 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets out to the stored corners of a triangle. Corners on the border of a grid are vertices of the grid.
-       *  Returns the square of the largest distance that a corner moved. */
+      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's vertices. Returns
+       *  the squared distance that the farthest corner moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -180,7 +180,7 @@ namespace embree
         for (int c=0; c<3; c++) out[c] = welded ? (*welded)[vertices[c]] : vertices[c];
       }
 
-      /*! Stored position of a vertex at a step. id: see identify(). Returns the squared distance that the vertex
+      /*! Sets out to the stored position of a vertex. id: see identify(). Returns the squared distance that it
        *  moved. */
       double storeVertex (unsigned step, uint32_t id, float out[3]) const
       {
@@ -199,8 +199,8 @@ namespace embree
         return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
       }
 
-      /*! True if two corners of a moving triangle are equal at all steps: no ray can hit it. A triangle without area at
-       *  some steps can have area between them. */
+      /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. A triangle without
+       *  area at some steps can have area between them. */
       bool haveEqualCorners (uint32_t triangle) const
       {
         uint32_t ids[3];
@@ -240,7 +240,7 @@ namespace embree
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
-      /*! Chooses a spacing from the edges of a sample of triangles. */
+      /*! Chooses the lattice's exponent from the edges of a sample of triangles. */
       int chooseExponent ()
       {
         LatticeChoice choice(cbvh::spacingPerMeshEdge);
@@ -261,9 +261,9 @@ namespace embree
         return exponent;
       }
 
-      /*! True if a lattice flips more than half of a sample of triangles. prepare() then uses a finer lattice for all
-       *  of them: finding so many exceptions would take longer than the rest of the build. Hardly any block becomes
-       *  larger, because a block with exceptions has the finest spacing of its vertices anyway. */
+      /*! True if a lattice flips more than half of a sample of triangles. So many exceptions would take longer than the
+       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow: a block with exceptions has
+       *  the finest spacing of its vertices anyway. */
       bool flipsMost (int exponent) const
       {
         const cbvh::MeshLattice lattice(exponent);
@@ -316,8 +316,8 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. All threads find
-       *  flipped triangles; one thread changes the lattices, in a fixed order. */
+      /*! Refines lattices until no triangle flips; a vertex on a finer lattice can flip other triangles. One thread
+       *  changes the lattices, in a fixed order, so that results do not depend on threads. */
       template<typename Progress>
       void refineUntilNoneFlips (std::vector<Found>& found, const Progress& progress)
       {
@@ -368,8 +368,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Primitives that can be hit, with the centers of their bounds. Set by prepare(). Users reorder them to
-       *  cluster. */
+      /*! Primitives that can be hit, with the centers of their bounds. Set by prepare(). Users may reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

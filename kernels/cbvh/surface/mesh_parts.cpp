@@ -62,8 +62,8 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! A moving mesh is stored entirely in grids, if these are estimated to need at most three quarters of the bytes
-     *  that Embree needs, or otherwise entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
+    /*! A moving mesh is stored entirely in grids if these need at most three quarters of Embree's bytes, by an
+     *  estimate. Otherwise it is stored entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Divides a quad or triangle mesh into regions that form grids (quad_regions.h), and irregular primitives, which are
- * stored in mesh blocks (irregular_triangles.h). The commit of the geometry does this; the build of blocks uses it. */
+/* Divides a quad or triangle mesh into regions that form grids (quad_regions.h) and irregular primitives, which are
+ * stored in mesh blocks (irregular_triangles.h). */
 
 #include "quad_regions.h"
 
@@ -14,7 +14,7 @@ namespace embree
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
-  /*! Returns the parts that the commit found, or finds them again if a build released them. Throws if out of memory. */
+  /*! Returns the parts that the geometry's commit found, or finds them again after a build. Throws if out of memory. */
   template<typename Mesh>
   inline std::shared_ptr<const QuadRegions> partsOf (const Mesh* mesh)
   {

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Evaluates and displaces vertices of a cage's patch. It uses the parameters and operations of Embree's GRID
+/* Evaluates and displaces vertices of a cage's patch, with the parameters and operations of Embree's GRID
  * (subdivpatch1base_eval.cpp), so that the results are the same floats. All vertices of a part are evaluated at once:
- * irregular patches are subdivided once, and the displacement function is called once. Edges of lower rates are
- * stitched as in Embree. */
+ * irregular patches are subdivided once, and the displacement function is called once. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -20,8 +19,8 @@ namespace embree
     public:
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! Evaluates a part of a patch, including its last row and column. quadsX, quadsY: size of the whole patch, at
-       *  least its edges' rates. */
+      /*! Evaluates a part of a patch. quadsX, quadsY: size of the whole patch, at least its edges' rates; edges of
+       *  lower rates are stitched as in Embree. */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
                      const PatchPart& part)
       {
@@ -53,7 +52,7 @@ namespace embree
         PatchPart part;
       };
 
-      /*! Array i of `arrays`, aligned to 64 bytes for full-width loads, unlike the memory of mvector. */
+      /*! Array i of `arrays`, aligned to 64 bytes for full-width loads. */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
@@ -144,13 +143,13 @@ namespace embree
       bool stitched = false;      //!< an edge has a lower rate than the patch
     };
 
-    /*! Rows and columns of a patch. Evaluates each on request, or evaluates the whole patch once and copies from it. */
+    /*! Rows and columns of a patch. Evaluates each on request, or copies it from the whole patch, evaluated once. */
     class PatchLines
     {
     public:
       struct Line { const float (*vertices)[3]; size_t count; };
 
-      /*! all: room for all vertices, which the constructor evaluates, or null. */
+      /*! all: memory for all vertices, which the constructor evaluates, or null. */
       PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
                   const unsigned quads[2], float (*all)[3])
         : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Vertices of a patch or a part of it, row by row, before and after displacement: the result of Patch::evaluate()
- * (source.h). Memory of a task, which is reused for each patch. */
+ * (source.h). A task reuses the memory for each patch. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/vertices4.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The patches of a cage's face, before they are evaluated: the face itself if it has four corners, otherwise one per
- * corner. Also determines which faces Embree can evaluate. */
+/* The patches of a cage's face: the face itself if it has four corners, otherwise one per corner. Also determines which
+ * faces Embree can evaluate. */
 
 #include "../embree/scene.h"
 
@@ -12,7 +12,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Call it before getHalfEdge(): for a face without edges, Embree returns a half-edge of the next face. */
+    /*! Call this before getHalfEdge(), which returns a half-edge of the next face if a face has no edges. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
     /*! True if the face has a surface at any time step. */
@@ -63,8 +63,8 @@ namespace embree
       return true;
     }
 
-    /*! Arguments of Embree's SubdivPatch1Base, which make() constructs. The pointers are valid during the call of
-     *  forEachPatch's closure. */
+    /*! Arguments of Embree's SubdivPatch1Base, which make() constructs. The pointers are valid while forEachPatch's
+     *  closure runs. */
     struct PatchOfFace
     {
       const Vec2f* uv;         //!< face parameters of the 4 corners
@@ -99,8 +99,8 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Returns a bit mask of the sides where the surface ends or is creased, or where the patch has so few quads that
-     *  it may bend as much. There, the encoder of cLEAF checks how far leaves extend past the surface. */
+    /*! Returns a bit mask of the sides where the surface ends, is creased, or may bend as much because the patch has
+     *  few quads. There, the encoder of cLEAF checks how far leaves extend past the surface. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How the patches of a geometry are stored, derived from its compression settings (state/settings.h). Diced and moving
- * geometry is always stored as cVERT. */
+/* How the patches of a geometry are stored, by its settings (state/settings.h). Diced and moving geometry is always
+ * stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -30,7 +30,7 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! True if a moving geometry that requests compression is compressed. It is always stored as cVERT, so a request
+      /*! True if a moving geometry that requests compression is compressed. As it is always stored as cVERT, a request
        *  for another kind counts only if fallback faces are allowed. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
@@ -62,11 +62,9 @@ namespace embree
           && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! Embree's GRID, blocks with frames, or cVERT. */
-      enum Storage { GRID, FRAMED, VERT };
-      /*! Selects the storage of a patch by the rates of its edges. Blocks with frames support 256 quads per side, cVERT
-       *  supports 4096. */
+      enum Storage { GRID, FRAMED, VERT }; //!< Embree's GRID, blocks with frames, or cVERT
 
+      /*! Storage of a patch, by the rates of its edges. FRAMED supports 256 quads per side, VERT 4096. */
       Storage storage (const float rate[4]) const
       {
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
@@ -77,9 +75,9 @@ namespace embree
         return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
-      /*! Frame level for a patch of 2^level quads per side, if no max_error determines it. Blocks of 16 x 16 quads
-       *  minimize the product of bytes and time, or nearly so, in all measurements (docs/paper.md). Smaller blocks are
-       *  hardly faster, and their frames cost more than their leaves save. Larger blocks save little and are slower. */
+      /*! Frame level for a patch of 2^level quads per side, unless max_error determines it. Blocks of 16 x 16 quads
+       *  minimize the product of bytes and time, or nearly so (docs/paper.md). Smaller blocks are hardly faster, and
+       *  their frames cost more than their leaves save. Larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Hash table of vertices by position, with open addressing, for GridBorders and StitchedVertices. Vertices that are
- * equal floats at all time steps have one entry. Threads may add vertices concurrently. */
+ * equal floats at all time steps have one entry. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"
@@ -15,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), which is finite and the position at the first time step, and
-     *  areEqualAtOtherSteps(a,b) for two vertices that are equal at the first step. */
+    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for two
+     *  vertices that are equal at the first step. */
     template<typename Positions>
     class PositionTable
     {
@@ -26,7 +26,7 @@ namespace embree
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! Empties the table and makes room. vertices: upper bound of the number of different vertices. */
+      /*! Empties the table and allocates slots. vertices: upper bound of the number of different vertices. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
@@ -60,7 +60,7 @@ namespace embree
         }
       }
 
-      /*! Returns `none` if there is no entry. Not while threads add vertices. */
+      /*! Returns `none` if there is no entry. Must not be called while threads add vertices. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);
@@ -91,8 +91,8 @@ namespace embree
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* A slot: 33 bits of vertex, three flags, and the upper 28 bits of the hash, which make most comparisons of
-       * positions unnecessary. 0 if free. */
+      /* A slot: 33 bits of vertex, three flags, and the upper 28 bits of the hash, which avoid most comparisons of
+       * positions. 0 if free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;

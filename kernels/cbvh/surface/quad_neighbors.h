@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Finds the neighbors of a mesh's quads, as defined in quad_regions.h, from its index buffer. The first step of the
- * search for regions. */
+/* Finds the neighbors of a mesh's quads, as defined in quad_regions.h: the first step of the search for regions. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -30,7 +29,7 @@ namespace embree
     size_t size () const { return isValid.size(); }
   };
 
-  /*! Quads: QuadsOfMesh or PairsOfMesh. A quad "begins" at its corner v0. A table finds quads by that vertex. */
+  /*! Quads: QuadsOfMesh or PairsOfMesh. A quad "begins" at its corner v0, by which a table finds it. */
   template<typename Quads>
   class NeighborFinder
   {
@@ -60,8 +59,8 @@ namespace embree
       unsigned form;
     };
 
-    /*! A quad that begins at the same vertex as a quad with a lower number, so that the table does not contain it.
-     *  first: that vertex. second: another vertex that it shares with a neighbor. */
+    /*! A quad that begins at the same vertex as a quad with a lower number, which the table contains instead. first:
+     *  that vertex. second: another vertex that it shares with a neighbor. */
     struct Other
     {
       unsigned first, second, quad;
@@ -83,7 +82,7 @@ namespace embree
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if quads can be neighbors: they have the same form, or with formsDiffer the same number of triangles. */
+    /*! True if quads can be neighbors: they have the same form or, with formsDiffer, the same number of triangles. */
     bool fit (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
@@ -91,8 +90,8 @@ namespace embree
       return out.formsDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies all corners, because they are visited repeatedly and in the order of neighbors. Returns false if no quad
-     *  is valid, or if the table of vertices would have more than 16 entries per quad. */
+    /*! Copies all corners, because later steps read them repeatedly and in the order of neighbors. Returns false if no
+     *  quad is valid, or if the table of vertices would have more than 16 entries per quad. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
@@ -183,8 +182,8 @@ namespace embree
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
     /*! True if at least a quarter of a sample of quads is regular: their right and upper neighbors share a neighbor.
-     *  Sets formsDiffer if more than twice as many quads are regular when neighbors may have different forms. Numbers
-     *  of triangles must then fit into 30 bits, next to 2 bits for a turn. */
+     *  Sets formsDiffer if more than twice as many are regular when neighbors may have different forms. Numbers of
+     *  triangles must then fit into 30 bits, next to 2 bits for a turn. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
@@ -220,7 +219,7 @@ namespace embree
         });
     }
 
-    /*! A neighbor of several quads stores only the first of them. */
+    /*! Stores a neighbor of a quad, and the quad as the opposite neighbor unless one with a lower number is stored. */
     void set (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;

@@ -13,10 +13,10 @@ namespace embree
 {
   namespace
   {
-    /*! Finds regions greedily. The first seeds are corners: quads without a free quad on the left or below. A region
-     *  grows from a seed to the right and up by a column or row at a time, as square as it can. Large regions are taken
-     *  first, so that a row of quads at a pole does not separate the columns above it. A quad is free until a region
-     *  takes it.
+    /*! Finds regions greedily. A quad is free until it is in a region. A region grows from a seed to the right and up,
+     *  by a column or row at a time, as square as it can. The first seeds are corners: quads without a free quad on the
+     *  left or below. Large regions are added first, so that a row of quads at a pole does not separate the columns
+     *  above it.
      *
      *  Other seeds first move left and down until the next quad is not free. The position of a region is then the same
      *  for each of its quads as seed, and closed meshes, which have no corners, are filled too. */
@@ -25,7 +25,7 @@ namespace embree
     public:
       RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
-      /*! Takes all quads: regions of at least 16 quads per side first, then of minRegionSide, then all others. */
+      /*! Adds all quads: first regions of at least 16 quads per side, then of minRegionSide, then all others. */
       void run ()
       {
         cbvh::resizeToFit(flags,neighbors.size());
@@ -45,8 +45,8 @@ namespace embree
 
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
-      /*! The bits above TAKEN are the last pass in which a region that began here was too small. If seeds are not
-       *  corners, all quads of such a region are marked, so that a pass visits each quad once, even in narrow
+      /*! The bits above TAKEN are the last pass in which a region that began here was too small. Unless seeds are
+       *  corners, all quads of such a region get the pass, so that a pass visits each quad once, even in narrow
        *  strips. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       /*! EDGES: quads without a free quad on the left, or without one below. */
@@ -63,7 +63,7 @@ namespace embree
         return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! A pass: takes regions from all seeds. side: minimum quads per side. */
+      /*! A pass: adds the regions of all seeds. side: minimum quads per side. */
       void take (Seeds seeds, unsigned side)
       {
         pass++;
@@ -89,7 +89,7 @@ namespace embree
         return isTaken;
       }
 
-      /*! Moves a seed left, then down, as far as quads are free. In a ring of quads it stops after one round. */
+      /*! Moves a seed left, then down, as far as quads are free. Stops after one round in a ring of quads. */
       unsigned moved (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -105,7 +105,7 @@ namespace embree
       bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
-      /*! Grows a region from a seed and adds it. Returns false, and frees the quads, if it is too small. */
+      /*! Grows a region from a seed and adds it. Returns false, and frees its quads, if it is too small. */
       bool grow (unsigned seed, unsigned side)
       {
         if (isMarked(seed)) return false;
@@ -141,7 +141,7 @@ namespace embree
 
       void releaseQuad (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
-      /*! Takes a quad's neighbor if it is free and adjacent to `before`, the quad taken before it. */
+      /*! Adds a quad's neighbor to the region if it is free and adjacent to `before`, the quad added before it. */
       bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
                      unsigned& next)
       {
@@ -176,7 +176,7 @@ namespace embree
       }
 
       /*! Steps that all seeds together may move, per quad of the mesh. Otherwise each quad of a long strip could be a
-       *  seed that moves along the entire strip. */
+       *  seed that moves along it. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& neighbors;
@@ -316,9 +316,8 @@ namespace embree
     size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
 
     /*! Finds regions by vertex indices and by welded vertices, and returns the smaller result. Tries indices first,
-     *  unless there are far more vertices than quads: then each quad may have its own vertices. Welding does not always
-     *  need fewer bytes: an application may have numbered quads region by region, without sharing vertices between
-     *  regions. */
+     *  unless there are far more vertices than quads: then each quad may have its own vertices. Welding can need more
+     *  bytes, if an application numbered quads region by region, without sharing vertices between regions. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {

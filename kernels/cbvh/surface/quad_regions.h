@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Regions of a mesh whose quads form a grid, found from connectivity alone. They are stored as grids, which need fewer
- * bytes than mesh blocks. Vertices with the same position may count as one (welded_vertices.h). Quads are those of a
- * quad mesh, or pairs of triangles that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
- * splits it from v1 to v3, like the quads of grids:
+/* Regions of a mesh whose quads form a grid, found from connectivity alone. As grids they need fewer bytes than as
+ * mesh blocks. Vertices with the same position may count as one (welded_vertices.h). In a triangle mesh, quads are
+ * pairs of triangles that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree splits it
+ * from v1 to v3, like the quads of grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
  *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
- *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
+ *    v0 --- v1 --- .       triangles as in their mesh. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -46,8 +46,7 @@ namespace embree
       unsigned cornersAndForm (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
-    /*! Pairs of triangles of a triangle mesh, as quads. A triangle without a partner is a pair whose second triangle is
-     *  the first one. */
+    /*! Pairs of triangles, as quads. A triangle without a partner is a pair whose second triangle is the first. */
     struct PairsOfMesh
     {
       const TriangleMesh* mesh;
@@ -68,9 +67,9 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10, where the digits
-       *  are u and v. turns: set to the corners with which the triangles begin, see quad_numbers.h. Returns false if
-       *  they share no edge. */
+      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10; digits are u and
+       *  v. turns: set to the corners with which the triangles begin (quad_numbers.h). Returns false if they share no
+       *  edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -131,7 +130,7 @@ namespace embree
     /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad: 16 bytes per
+    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad, in sum 16 per
      *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
@@ -154,11 +153,10 @@ namespace embree
 
     bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
 
-    /*! Estimated bytes of the regions as grids, with their share of the tree. Ignores tables of numbers
-     *  without a pattern. */
+    /*! Estimated bytes of the regions as grids, with their share of the tree but without tables of numbers. */
     size_t bytesOfBlocks () const;
 
-    /*! Same for a mesh with one time step, whose regions are stored in mesh blocks if these need fewer bytes. */
+    /*! Same for a mesh with one time step, whose regions are stored in mesh blocks if that needs fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
     /*! True if a region needs at most as many bytes in mesh blocks as in a grid. tables: result of bytesOfTables(), or
@@ -170,8 +168,8 @@ namespace embree
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
-    /*! Finds the regions of a mesh. Never null; without regions if a sample shows that the mesh is not regular. Uses
-     *  all threads; the result is independent of their number. Throws std::bad_alloc. */
+    /*! Finds the regions of a mesh. Never null; has no regions if a sample of the mesh is not regular. The result is
+     *  independent of the number of threads. Throws std::bad_alloc. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
 
@@ -217,8 +215,8 @@ namespace embree
       }
     }
 
-    /*! Estimated bytes of a region's tables of numbers, as if all its blocks were like the first one; 0 if the numbers
-     *  have a pattern. numbers, encoder: temporary memory. */
+    /*! Estimated bytes of a region's tables of numbers, as if all blocks were like the first one; 0 if the numbers have
+     *  a pattern. numbers, encoder: temporary memory. */
     template<typename Quads>
     size_t bytesOfTables (const Quads& quads, const QuadRegions& meshRegions, size_t region,
                           cbvh::QuadNumbers& numbers, cbvh::NumbersEncoder& encoder)

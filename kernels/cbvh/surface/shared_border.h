@@ -5,20 +5,20 @@
 
 /* The rule of shared borders, which makes cVERT surfaces and fallback faces watertight.
  *
- * The primitives of a geometry, faces or grids, share edges and corners. Each evaluates its own vertices there and has
- * its own lattice, so rays would pass through gaps between them. Therefore all primitives store the same floats there:
+ * The primitives of a geometry, faces or grids, share edges and corners. Each evaluates its own vertices there, on its
+ * own lattice, so rays would pass between them. Therefore all primitives store the same floats there:
  *
- * 1. Owner. One primitive owns a shared edge, and one owns a shared corner: the primitive with the smallest claim.
- *    Primitives that GRID traces come first, because GRID cannot use other vertices. Then the primitive with the fewest
- *    vertices along the edge comes first, then the lower number. All primitives use the owner's positions.
+ * 1. Owner. The primitive with the smallest claim owns a shared edge or corner: first primitives that GRID traces,
+ *    because GRID cannot use other vertices, then the fewest vertices along the edge, then the lowest number. All
+ *    primitives use the owner's positions.
  * 2. Rate. An edge has the lowest rate of its primitives. A primitive with more vertices is stitched to it: each of its
  *    vertices moves to a vertex of the edge.
  * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
  *    these lattices, because they are nested. A vertex of GRID is on no lattice: it stays in place.
  * 4. Vertices on an edge. If an application moved vertices of a fine grid onto the edges of a coarse one, they are
  *    stored on the stored edges, and on no lattice (stitched_vertices.h).
- * 5. Values that are not finite. A primitive with such a value at its border keeps it, and leaves out its own quads. It
- *    does not pass the value on, and it loses no quads because of a value of an owner.
+ * 5. Values that are not finite. A primitive uses its own vertex if its own or the owner's position is not finite. So
+ *    such a value only removes quads of the primitive that evaluates it.
  * 6. Time. Owners, rates and the choice of shared vertices are the same at all time steps. Positions and lattices are
  *    not.
  *
@@ -45,14 +45,14 @@ namespace embree
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! Encodes a claim (part 1 of the rule), so that claims compare as integers. rate: rate of the edge, less than
-     *  2^31; 0 for a corner, whose owner is independent of rates. number: unique among the claims. */
+    /*! Encodes a claim (part 1 of the rule) as an integer. rate: of the edge, less than 2^31; 0 for a corner, whose
+     *  owner is independent of rates. number: unique among the claims. */
     inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
       return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
     }
 
-    /*! First vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves to vertex k
-     *  of an edge of rate `coarse`. It is the nearest one. */
+    /*! First, and nearest, vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves
+     *  to vertex k of an edge of rate `coarse`. */
     inline unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) {
       return (2*k*fine + coarse-1)/(2*coarse);
     }
@@ -62,9 +62,9 @@ namespace embree
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
     /*! Replaces a part's vertices on the border of a patch of quadsX x quadsY quads by the shared vertices, rounded to
-     *  their lattices. Adds the distances that they moved, and by which the owner's positions differ, to the
-     *  statistics. own: vertices as the primitive evaluates them. stored: result. Both contain the part row by row, and
-     *  may be the same array. Patch: see source.h. */
+     *  their lattices. Adds to the statistics how far they moved, and how far the owner's positions differ. own:
+     *  vertices as the primitive evaluates them. stored: result. Both contain the part row by row, and may be the same
+     *  array. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)

@@ -18,9 +18,8 @@
  * use all threads. Between these calls, threads call const members concurrently. Scratch and Writer, and the patches
  * made with them, belong to one task.
  *
- * ERRORS. Members may throw rtcore_error, std::bad_alloc, or the exception with which progress() cancels. The build
- * then ends, and the geometry keeps its old blocks. Vertices that are not finite are no error: writers leave out their
- * quads and count them.
+ * ERRORS. Members may throw rtcore_error, std::bad_alloc, or what progress() throws. The build then ends, and the
+ * geometry keeps its old blocks. Vertices that are not finite are no error: writers omit their quads and count them.
  *
  * PATCH. A class derived from SurfacePatch, below, whose members it sets in its constructor, and
  *
@@ -50,19 +49,17 @@
  *   size_t size () const
  *       Number of primitives. Blocks store them in 32 bits.
  *   size_t estimateBlocks () const
- *       Rough number of blocks. Determines whether the surface is small or large, and how much memory is reserved. May
- *       be called before prepare().
+ *       Rough number of blocks, by which the builder divides work and reserves memory. May be called before prepare().
  *   size_t perTask (bool isSmall) const
- *       Primitives per task, at least 1. isSmall: there are few blocks, and one task should take all. May be called
- *       before prepare().
+ *       Primitives per task, at least 1. isSmall: there are few blocks, for one task. May be called before prepare().
  *   void prepare (size_t perTask, const Progress& progress)
- *       Finds data of all primitives that is required before any of them is written: lattices and shared vertices.
- *       Calls progress(0.0) from time to time, also from several threads at once.
+ *       Computes what is needed of all primitives before any of them is written: lattices and shared vertices.
+ *       Calls progress(0.0), which may throw to cancel, from time to time, also from several threads at once.
  *   void release ()
  *       Frees what prepare() allocated. No patch is used afterwards.
  *   void forEachPatch (size_t primitive, Scratch& scratch, const Closure& closure) const
- *       Calls closure(Patch&) for the patches of a primitive, always in the same order. A primitive that cannot be
- *       evaluated has none. A patch is valid during its call.
+ *       Calls closure(Patch&) for the patches of a primitive, always in the same order; for none if it cannot be
+ *       evaluated. A patch is valid during its call.
  *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
  *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it.
  *   bool isUnsupported (size_t primitive) const
@@ -70,7 +67,7 @@
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
  *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
  *   Writer (const Source& source, BlockStore& store, cbvh::BuildStatistics& statistics)
- *       Writes the patches of a task in order, appends blocks to the store and counts them. All arguments outlive it.
+ *       Writes the patches of a task in order, appends blocks to the store and counts them. The arguments outlive it.
  *   bool Writer::write (size_t primitive, Patch& patch)
  *       Writes the blocks of a patch. Returns false, and writes nothing, if the patch has so many rows that the builder
  *       should divide it into strips, one per task. */
@@ -87,7 +84,7 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned minGridSide = 4; //!< minimum quads per side of a mesh's grids; other primitives are loose
+    static const unsigned minGridSide = 4; //!< minimum quads per side of a mesh's grids; other primitives are irregular
 
     struct SurfacePatch
     {

@@ -9,8 +9,8 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * An open edge is on the border of only one grid. If other open edges lead from p to q and lie on an open edge from p
- * to q with shared ends, the vertices between are stored on the edge between the stored p and q. They must lie on it at
+ * An open edge is on the border of only one grid. If other open edges lie on an open edge from p to q with shared ends,
+ * and lead from p to q, the vertices between are stored on the edge between the stored p and q. They must lie on it at
  * all time steps, except for the application's rounding. */
 
 #include "border_lattices.h"
@@ -55,8 +55,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Returns where grids store a vertex. Ends of an edge can themselves lie on other edges, which needs recursion.
-       *  Its depth is limited, because overlapping grids can form a cycle. */
+      /*! Returns where grids store a vertex. Ends of an edge can lie on other edges, which needs recursion; its depth
+       *  is limited, because overlapping grids can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -89,14 +89,14 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! Order of vertices by position. Unlike the order of entries, it does not depend on the timing of threads. */
+      /*! Order of vertices by position, which is independent of threads, unlike the order of entries. */
       bool isBefore (Entry a, Entry b) const
       {
         const cbvh::Double3 p = at(a), q = at(b);
         return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
       }
 
-      /*! Parameter of the edge's point that is nearest to p, 0 to 1 on the edge, at the first time step. */
+      /*! Parameter of the edge's point that is nearest to p, at the first time step. */
       double parameterOn (const Edge& edge, const cbvh::Double3& p) const
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;

@@ -15,8 +15,7 @@ namespace embree
 {
   namespace
   {
-    /*! Pairs the triangles of a mesh. Its phases: copy triangles, find opposite half-edges, choose the edges that pairs
-     *  share, pair by them, and spread pairs to the remaining triangles. */
+    /*! Pairs the triangles of a mesh. */
     class PairFinder
     {
     public:
@@ -108,8 +107,8 @@ namespace embree
         return 2*far > numSampled;
       }
 
-      /*! Copies the triangles, because they are visited in the order of neighbors. Sorts scattered triangles by their
-       *  vertices, because consecutive vertices are often near each other. */
+      /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
+       *  their vertices, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -189,8 +188,8 @@ namespace embree
           });
       }
 
-      /*! Finds the opposites among the half-edges of a vertex. An edge has them if it has exactly two half-edges, of
-       *  different directions. */
+      /*! Finds the opposites among the half-edges of a vertex: of edges with exactly two half-edges, of different
+       *  directions. */
       void join (Half* begin, Half* end)
       {
         if (end-begin > 16) std::sort(begin,end);
@@ -223,8 +222,8 @@ namespace embree
         return other != none && other % 3 == f;
       }
 
-      /*! Returns the half-edge at which a triangle is paired if pairs share `edges`, or none. If both of its edges are
-       *  shared, the longer one is taken, as the diagonal of a quad. */
+      /*! Returns the half-edge at which a triangle is paired if pairs share `edges`, or none. If both edges qualify,
+       *  returns the longer one, as the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -276,7 +275,7 @@ namespace embree
         return pairing;
       }
 
-      /*! Returns the edges that pair the most triangles of a sample; if several do, the longest. None if they pair less
+      /*! Returns the edges that pair the most triangles of a sample, the longest of several; none if they pair less
        *  than three quarters. */
       Edges chooseEdges () const
       {
@@ -357,7 +356,7 @@ namespace embree
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! Decides whether the search for grids is worthwhile, by the number of triangles at each vertex: six in a regular
+    /*! Decides whether the search for grids is worthwhile, by the number of triangles per vertex: six in a regular
      *  mesh. */
     class RegularityTest
     {
@@ -366,7 +365,7 @@ namespace embree
         : triangles{ mesh,welded,nullptr,nullptr }, size(mesh->triangles.size()), numVertices(mesh->numVertices()) {}
 
       /*! True if at least half of the sampled vertices have six triangles. With random diagonals, 3 in 8 do. In less
-       *  regular meshes, most quads would be loose. */
+       *  regular meshes, most quads would be irregular. */
       bool areVerticesRegular ()
       {
         const bool areFew = numVertices < 4096;
@@ -376,8 +375,8 @@ namespace embree
       }
 
       /*! True if at least a quarter of the triangles are inside of a regular part: all their vertices, and all adjacent
-       *  ones, have six triangles. CAD models have fewer where cylinders and fillets are narrow strips. The search then
-       *  takes as long as the rest of the build, and finds regions that hardly reduce memory and slow rays. */
+       *  ones, have six triangles. CAD models have fewer where cylinders and fillets are narrow strips: the search
+       *  would take as long as the rest of the build, and its regions hardly reduce memory but slow rays. */
       bool hasWideParts ()
       {
         count([](unsigned) { return true; });

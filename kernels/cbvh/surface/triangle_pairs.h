@@ -4,8 +4,7 @@
 #pragma once
 
 /* Finds pairs of triangles that share an edge, anywhere in the index buffer, for quad_regions.cpp. In a regular mesh,
- * an inner triangle has three neighbors. Pairs form a grid of quads if all of them are across edges of the same
- * direction:
+ * an inner triangle has three neighbors. Pairs form a grid of quads if their shared edges have the same direction:
  *
  * - Programs that split quads begin all first triangles at the same corner, and all second triangles. The shared edge
  *   then has the same index in all first triangles, and in all second ones. Of several such directions, the longest
@@ -19,10 +18,10 @@
 
 namespace embree
 {
-  /*! Sets firsts and seconds to the triangles of each pair. Each triangle is in exactly one pair; one without a partner
-   *  is also its own second triangle. Pairs are in any order. welded: null if all vertices differ. The result is
-   *  independent of the number of threads. Returns false if most vertices do not have six triangles, if regular parts
-   *  are narrow strips, or if edges cannot be numbered in 32 bits. */
+  /*! Sets firsts and seconds to the triangles of each pair, in any order. Each triangle is in exactly one pair; one
+   *  without a partner is also its own second triangle. welded: null if all vertices differ. The result is independent
+   *  of the number of threads. Returns false if most vertices do not have six triangles, if regular parts are narrow
+   *  strips, or if edges cannot be numbered in 32 bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);
 }

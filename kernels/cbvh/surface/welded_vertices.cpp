@@ -41,15 +41,14 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      /*! A vertex in its bucket. Contains its position at the first time step, so that a task reads only its bucket. */
+      /*! A vertex in its bucket, with its position at the first time step, so that a task reads only its bucket. */
       struct Entry
       {
         unsigned hash, vertex;
         unsigned at[3]; //!< see bitsOf()
       };
 
-      /*! Bits that are equal if the floats are equal. */
-      static unsigned bitsOf (float x)
+      static unsigned bitsOf (float x) // equal for both zeros
       {
         unsigned bits;
         memcpy(&bits,&x,sizeof(bits));
@@ -89,7 +88,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Fills the buckets (counting sort by task and bucket). Vertices of a bucket are in ascending order. */
+      /*! Fills the buckets (counting sort by task and bucket), with vertices in ascending order. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);
@@ -112,7 +111,7 @@ namespace embree
       }
 
       /*! Welds a bucket, entries begin to end-1. Returns true if any vertices are equal. table: temporary memory for a
-       *  hash table of entries. */
+       *  hash table. */
       bool weld (size_t begin, size_t end, std::vector<unsigned>& table, mvector<unsigned>& firsts) const
       {
         size_t size = 16;
