@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks of the application's buffers, of which Embree checks few. All functions throw rtcore_error, naming the first
- * invalid value. */
+/* Checks of the application's buffers, most of which Embree does not make. All functions throw rtcore_error, naming the
+ * first invalid value. */
 
 #include "../embree/scene.h"
 
