@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Checks of the application's buffers, most of which Embree does not make. All functions throw rtcore_error, naming the
+/* Checks of the application's buffers that Embree does not make. All functions throw rtcore_error, naming the
  * first invalid value. */
 
 #include "../embree/scene.h"
