@@ -13,7 +13,7 @@
 
 namespace cbvh {
 
-/* At most one may exist at a time, because endSoonAfterCancel removes only one. Not thread-safe. */
+/* At most one may exist at a time, because forceExitAfterCancel removes only one. Not thread-safe. */
 class PendingFile
 {
 public:
@@ -38,9 +38,9 @@ public:
   void commit();
 
 private:
-  struct Place;
+  struct Destination;
   std::string path;
-  std::unique_ptr<Place> place;
+  std::unique_ptr<Destination> destination;
 };
 
 /* Throws Error. */

@@ -10,7 +10,7 @@
 namespace cbvh {
 
 /* Finds a file by device and inode, under any path. Ignores files that do not exist. */
-void noteInputFile(const std::string& path);
+void recordInputFile(const std::string& path);
 
 /* Throws Error with both paths if writing to `path` would replace a recorded file that still exists. */
 void requireNoInputFile(const std::string& path);

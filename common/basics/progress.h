@@ -23,9 +23,9 @@ bool interrupted();
 /* Makes a signal also end the process after 0.25 s, with status 130 and a line that starts with `program`: Embree
  * polls for cancellation rarely, and freeing a large scene takes seconds. Removes the unfinished file; no other
  * cleanup runs. Requires installCancelHandler. */
-void endSoonAfterCancel(const char* program);
+void forceExitAfterCancel(const char* program);
 
-/* Sets the file that endSoonAfterCancel removes; empty for none. */
+/* Sets the file that forceExitAfterCancel removes; empty for none. */
 void setUnfinishedFile(const std::string& path);
 
 void requestCancel();

@@ -62,7 +62,7 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
 /* Fraction of quads that cLEAF stores as cVERT, in [0,1]. */
-inline double exactQuadShare(const RTCCompressionStatistics& s)
+inline double fallbackQuadFraction(const RTCCompressionStatistics& s)
 {
   return s.numQuads ? double(s.numFallbackQuads) / double(s.numQuads) : 0.0;
 }
@@ -84,7 +84,7 @@ struct BuildReport
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
 
-  double exactShare() const { return exactQuadShare(compression); }
+  double fallbackFraction() const { return fallbackQuadFraction(compression); }
 };
 
 class BuiltScene : public TracedScene
@@ -100,7 +100,7 @@ public:
   }
   const VulkanTracer* vulkan() const override { return vulkanTracer.get(); }
 
-  const Representation& representation() const { return what; }
+  const Representation& representation() const { return builtAs; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
 
@@ -123,13 +123,13 @@ private:
   void buildMesh(const Model& model, const BuildSettings& settings);
   void readStatistics();
   void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
-  void commit(const char* doing);
+  void commit(const char* operation);
 
-  Representation what;
+  Representation builtAs;
   std::string name;
   PatchLayout patches;
   std::shared_ptr<const EdgeRates> rates; // referenced by contexts
-  size_t facesOfCopy, quadsOfCopy, numGeometries;
+  size_t facesPerCopy, quadsPerCopy, numGeometries;
   std::vector<DisplacementContext> contexts;
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device

@@ -27,8 +27,8 @@ struct Charts
   size_t count = 0;
 };
 
-/* `rim` is the width in texels of the space around each chart. */
-Charts unfoldCharts(const Cage& cage, int texels, int rim);
+/* `padding` is the width in texels of the space around each chart. */
+Charts unfoldCharts(const Cage& cage, int texels, int padding);
 
 void setChartUVs(Cage& cage, const Charts& charts);
 

@@ -22,7 +22,7 @@
 
 namespace cbvh {
 
-struct MapReading
+struct ChannelRange
 {
   int first = 0;
   int count = 0;
@@ -32,10 +32,10 @@ struct MapReading
 class MapImage final : public OIIO::ImageInput
 {
 public:
-  /* Passes `reading` to open(). */
-  static OIIO::ImageSpec configuration(const MapReading& reading);
+  /* Passes `range` to open(). */
+  static OIIO::ImageSpec configuration(const ChannelRange& range);
 
-  void setReading(const MapReading& r) { reading = r; }
+  void setChannelRange(const ChannelRange& r) { range = r; }
 
   /* True if the texture system can read the current image itself, unless texels are missing. */
   bool isPlain() const { return plain; }
@@ -45,7 +45,7 @@ public:
   size_t numMissing() const { return missing; }
 
   /* Reason not to read the current image, or empty. */
-  const std::string& refusal() const { return refused; }
+  const std::string& rejection() const { return rejectionText; }
 
   const char* format_name() const override { return "map"; }
   bool open(const std::string& path, OIIO::ImageSpec& spec) override { return open(path, spec, OIIO::ImageSpec()); }
@@ -67,8 +67,8 @@ private:
 
   std::unique_ptr<OIIO::ImageInput> source;
   std::vector<std::string> nodataTexts; // per page of a TIFF
-  MapReading reading;
-  std::string refused;
+  ChannelRange range;
+  std::string rejectionText;
   size_t missing = 0;
 
   int image = -1;

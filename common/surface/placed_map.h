@@ -29,7 +29,7 @@ public:
   /* Along the edge from corner `edge` to the next. */
   virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
 
-  virtual bool isSeam(unsigned face, FaceBorders::Place at) const = 0;
+  virtual bool isSeam(unsigned face, FaceBorders::BorderPosition at) const = 0;
 
   const FaceBorders& borders() const { return faceBorders; }
 

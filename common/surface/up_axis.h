@@ -31,7 +31,7 @@ struct UpGuess
 UpGuess guessUp(const Cage& cage);
 
 /* Convert hints between an upward y axis and `up`, one of upAxes(). */
-ViewHints turnedFromY(ViewHints hints, const std::string& up);
-ViewHints turnedToY(ViewHints hints, const std::string& up);
+ViewHints rotatedFromY(ViewHints hints, const std::string& up);
+ViewHints rotatedToY(ViewHints hints, const std::string& up);
 
 } // namespace cbvh

@@ -12,13 +12,13 @@
 namespace cbvh {
 
 /* Acts during its lifetime, on the thread that constructs it. */
-class Denormals
+class DenormalMode
 {
 public:
-  explicit Denormals(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
-  ~Denormals() { setControl(saved); }
-  Denormals(const Denormals&) = delete;
-  Denormals& operator=(const Denormals&) = delete;
+  explicit DenormalMode(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
+  ~DenormalMode() { setControl(saved); }
+  DenormalMode(const DenormalMode&) = delete;
+  DenormalMode& operator=(const DenormalMode&) = delete;
 
 private:
 #if defined(__x86_64__)
@@ -42,9 +42,9 @@ private:
 };
 
 /* As Embree's manual asks for tracing. */
-struct FastDenormals : Denormals
+struct FlushDenormals : DenormalMode
 {
-  FastDenormals() : Denormals(true) {}
+  FlushDenormals() : DenormalMode(true) {}
 };
 
 } // namespace cbvh

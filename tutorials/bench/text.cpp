@@ -117,7 +117,7 @@ std::string resultLines(const VariantResult& r)
                 r.build.bytesPerQuad(), r.build.seconds);
   out += head;
   if (r.variant.representation.hasFallbackFaces())
-    out += number(", %.1f%% of the quads stored as cVERT", 100.0 * r.build.exactShare());
+    out += number(", %.1f%% of the quads stored as cVERT", 100.0 * r.build.fallbackFraction());
   for (const ViewResult& v : r.views)
     out += ", " + v.view + " error median " + number("%.4f", v.errors.median) + number(" p99 %.4f px", v.errors.p99);
   if (r.build.onDevice)

@@ -138,7 +138,7 @@ std::shared_ptr<Cage> loadCage(const std::filesystem::path& path)
 {
   std::string warnings;
   auto cage = std::make_shared<Cage>(readObj(path.string(), warnings));
-  noteInputFile(path.string());
+  recordInputFile(path.string());
   warn(warnings);
   return checked(std::move(cage));
 }

@@ -97,7 +97,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   if (!map.path.empty())
   {
     std::shared_ptr<const Displacement> displacement = displaceByMap(cage, map, warnings);
-    noteMapFiles(cage, map.path);
+    recordMapFiles(cage, map.path);
     return displacement;
   }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});

@@ -56,7 +56,7 @@ float unitOf(OIIO::TypeDesc type)
 Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 {
   requireNoPipe(settings.path);
-  noteInputFile(settings.path);
+  recordInputFile(settings.path);
   const auto native = OIIO::ImageInput::open(settings.path);
   OIIO::ImageSpec spec;
   if (!native || !image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))

@@ -415,7 +415,7 @@ void Viewer::setUp(const std::string& axis)
   if (!viewpoint || axis == upAxis)
     return;
   upAxis = axis;
-  hints = turnedFromY(turnedToY(document->model().view, document->model().up), axis);
+  hints = rotatedFromY(rotatedToY(document->model().view, document->model().up), axis);
   const Camera camera = viewpoint->camera(size);
   viewpoint.emplace(camera, hints.up);
   frame(hints);
