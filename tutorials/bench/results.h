@@ -39,7 +39,7 @@ struct HitAgreement
   std::string view;
   RaySet set = Coherent;
   TraceSettings trace;
-  HitDifferences found;
+  HitDifferences differences;
 };
 
 struct ViewResult
