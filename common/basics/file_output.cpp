@@ -46,7 +46,7 @@ struct Stream
   {
   }
 
-  void copy() const
+  void copyToTarget() const
   {
     std::fflush(stdout); // stdout may be the target
     std::vector<char> piece(1 << 20);
@@ -66,16 +66,16 @@ struct Stream
   const std::string name;
 };
 
-Error cannotBeWritten(const std::string& path, const std::string& why)
+Error writeError(const std::string& path, const std::string& why)
 {
   return Error(path + ": cannot be written: " + why);
 }
 
 } // namespace
 
-struct PendingFile::Place
+struct PendingFile::Destination
 {
-  explicit Place(const OutputPath& output)
+  explicit Destination(const OutputPath& output)
   {
     if (output.kind == OutputPath::STREAM)
       stream = std::make_unique<Stream>(output);
@@ -98,54 +98,54 @@ PendingFile::PendingFile(const std::string& path) : path(path)
   requireNoInputFile(path);
   try
   {
-    place = std::make_unique<Place>(OutputPath(path));
+    destination = std::make_unique<Destination>(OutputPath(path));
   }
   catch (const std::system_error& e)
   {
-    throw cannotBeWritten(path, e.code().message());
+    throw writeError(path, e.code().message());
   }
-  if (place->file)
+  if (destination->file)
     setUnfinishedFile(temporary());
 }
 
 PendingFile::~PendingFile()
 {
-  place.reset();
+  destination.reset();
   setUnfinishedFile("");
 }
 
 const std::string& PendingFile::temporary() const
 {
-  return place->file ? place->file->path() : place->stream->name;
+  return destination->file ? destination->file->path() : destination->stream->name;
 }
 
 bool PendingFile::write(const void* data, size_t bytes, uint64_t offset) noexcept
 {
-  const int error = cvert::writeAllAt(place->descriptor(), data, bytes, offset);
-  if (!place->error)
-    place->error = error;
+  const int error = cvert::writeAllAt(destination->descriptor(), data, bytes, offset);
+  if (!destination->error)
+    destination->error = error;
   return error == 0;
 }
 
 std::string PendingFile::error() const
 {
-  return place->error ? std::strerror(place->error) : "";
+  return destination->error ? std::strerror(destination->error) : "";
 }
 
 void PendingFile::commit()
 {
   try
   {
-    if (place->error)
-      cvert::throwErrno(place->error);
-    if (place->file)
-      place->file->commit();
+    if (destination->error)
+      cvert::throwErrno(destination->error);
+    if (destination->file)
+      destination->file->commit();
     else
-      place->stream->copy();
+      destination->stream->copyToTarget();
   }
   catch (const std::system_error& e)
   {
-    throw cannotBeWritten(path, e.code().message());
+    throw writeError(path, e.code().message());
   }
 }
 

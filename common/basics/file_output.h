@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Files that appear either complete or not at all: written under a temporary name next to the final one, then
- * renamed. Devices, pipes and descriptors such as /dev/stdout are written in place, because a rename would replace
- * them. */
+/* Files that appear complete or not at all: written under a temporary name in the same folder, then renamed. Devices,
+ * pipes and descriptors such as /dev/stdout are written in place, because a rename would replace them. */
 
 #include <cstdint>
 #include <memory>
@@ -13,7 +12,7 @@
 
 namespace cbvh {
 
-/* At most one may exist at a time, because endSoonAfterCancel removes only one. Not thread-safe. */
+/* At most one may exist at a time, because forceExitAfterCancel removes only one. Not thread-safe. */
 class PendingFile
 {
 public:
@@ -38,9 +37,9 @@ public:
   void commit();
 
 private:
-  struct Place;
+  struct Destination;
   std::string path;
-  std::unique_ptr<Place> place;
+  std::unique_ptr<Destination> destination;
 };
 
 /* Throws Error. */

@@ -21,13 +21,13 @@ struct HashOfWords
   }
 };
 
-/* FNV-1a. `before` is the hash of the preceding bytes. */
-constexpr uint64_t hashOfNothing = 14695981039346656037ull;
-inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t before = hashOfNothing)
+/* FNV-1a. To continue, pass the hash of the preceding bytes. */
+constexpr uint64_t emptyHash = 14695981039346656037ull;
+inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t hash = emptyHash)
 {
   for (size_t i = 0; i < bytes; i++)
-    before = (before ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ull;
-  return before;
+    hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ull;
+  return hash;
 }
 
 } // namespace cbvh

@@ -29,7 +29,7 @@ bool findIdentity(const std::string& path, FileIdentity& identity)
 
 } // namespace
 
-void noteInputFile(const std::string& path)
+void recordInputFile(const std::string& path)
 {
   FileIdentity identity;
   if (!findIdentity(path, identity))

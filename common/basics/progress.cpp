@@ -21,7 +21,7 @@ volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
-/* Read by signal handlers, which must not allocate. Empty before endSoonAfterCancel. */
+/* Read by signal handlers, which must not allocate. Empty before forceExitAfterCancel. */
 char cancelMessage[64] = "";
 char unfinishedFile[PATH_MAX] = "";
 
@@ -36,7 +36,7 @@ void onSignal(int signal)
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-void onGraceOver(int)
+void onGracePeriodEnd(int)
 {
   constexpr int canceledStatus = 130;  // 128 + SIGINT, as in shells
   if (unfinishedFile[0])
@@ -66,10 +66,10 @@ bool interrupted()
   return signalFlag != 0;
 }
 
-void endSoonAfterCancel(const char* program)
+void forceExitAfterCancel(const char* program)
 {
   std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: canceled\n", program);
-  std::signal(SIGALRM, onGraceOver);
+  std::signal(SIGALRM, onGracePeriodEnd);
 }
 
 void setUnfinishedFile(const std::string& path)

@@ -19,13 +19,13 @@ inline float uniform(std::mt19937& random)
 }
 
 /* Uniform in [0,n), n > 0. */
-inline size_t below(size_t n, std::mt19937& random)
+inline size_t uniformIndex(size_t n, std::mt19937& random)
 {
   return size_t((uint64_t(random()) * n) >> 32);
 }
 
 /* Unit direction with this cosine to the unit vector n, rotated by `angle` radians about n. */
-inline Vec3f around(Vec3f n, float cosine, float angle)
+inline Vec3f directionAround(Vec3f n, float cosine, float angle)
 {
   const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));
   const Vec3f t = cross(n, s);
@@ -37,13 +37,14 @@ inline Vec3f around(Vec3f n, float cosine, float angle)
 inline Vec3f cosineDirection(Vec3f n, std::mt19937& random)
 {
   const float radius2 = uniform(random), angle = 2.0f * float(M_PI) * uniform(random);
-  return around(n, std::sqrt(1.0f - radius2), angle);
+  return directionAround(n, std::sqrt(1.0f - radius2), angle);
 }
 
-inline Vec3f anyDirection(std::mt19937& random)
+/* Uniform over the unit sphere. */
+inline Vec3f uniformDirection(std::mt19937& random)
 {
   const float z = 2.0f * uniform(random) - 1.0f, angle = 2.0f * float(M_PI) * uniform(random);
-  return around({0, 0, 1}, z, angle);
+  return directionAround({0, 0, 1}, z, angle);
 }
 
 } // namespace cbvh

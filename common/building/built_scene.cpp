@@ -37,8 +37,8 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
   device.check("committing the scene");
 }
 
-/* Sets up one context per copy; they must outlive the scene and may have captures already. `poses` is empty for a
- * static scene. */
+/* Sets up one context per copy and keeps captures that are already set. Contexts must outlive the scene. `poses` is
+ * empty for a static scene. */
 void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
                   const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
@@ -47,13 +47,13 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
   const SharedTopology topology(device, model.cage, poses);
   for (size_t i = 0; i < contexts.size(); i++)
   {
-    setSurface(contexts[i], model, i, level, rates);
+    setDisplacement(contexts[i], model, i, level, rates);
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression, model.shapeOf(i)).get());
     throwIfCanceled();
   }
 }
 
-/* Builds GRID at the first time step, lets `captures` (one per copy) receive the vertices, and frees the scene. */
+/* Builds GRID at the first time step, passes the vertices to `captures` (one per copy), and frees the scene. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
                      const std::string& phase)
 {
@@ -111,9 +111,9 @@ void validateBuild(const BuildSettings& settings)
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), name(settings.name.empty() ? what.label() : settings.name),
-    patches(model.layout(settings.level)), rates(settings.rates), facesOfCopy(model.cage.numFaces()),
-    quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
+  : builtAs(representation), name(settings.name.empty() ? builtAs.label() : settings.name),
+    patches(model.layout(settings.level)), rates(settings.rates), facesPerCopy(model.cage.numFaces()),
+    quadsPerCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
 {
   BuildSettings own = settings;
   if (model.isMesh && own.maxError < 0.0f && model.spacing > 0.0f)
@@ -127,7 +127,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   if (model.isMesh)
     buildMesh(model, settings);
   else if (representation.isTriangulated() && rates)
-    throw Error(wordOf(what.kind) + " supports only one " + settingName("level") +
+    throw Error(wordOf(builtAs.kind) + " supports only one " + settingName("level") +
                 " for all edges: expected another representation, or no rates by the view");
   else if (representation.isTriangulated())
     buildTriangles(model, settings);
@@ -144,12 +144,12 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   }
 }
 
-void BuiltScene::commit(const char* doing)
+void BuiltScene::commit(const char* operation)
 {
   const auto start = std::chrono::steady_clock::now();
   std::vector<DisplacementContext> none; // compressed scenes report progress themselves
-  commitScene(*device, scene.get(), name + ": " + doing, rates ? rates->quads : patches.numQuads(),
-              what.isCompressed() ? none : contexts);
+  commitScene(*device, scene.get(), name + ": " + operation, rates ? rates->quads : patches.numQuads(),
+              builtAs.isCompressed() ? none : contexts);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
@@ -160,7 +160,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
   attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts,
-               what.isCompressed() ? &arguments : nullptr);
+               builtAs.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   readStatistics();
@@ -168,7 +168,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 
 void BuiltScene::readStatistics()
 {
-  if (!what.isCompressed())
+  if (!builtAs.isCompressed())
     return;
   rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
   device->check("reading the compression statistics");
@@ -177,16 +177,16 @@ void BuiltScene::readStatistics()
 /* In quad geometries, triangles repeat their last vertex. GRID and NAIVE-compact differ by the scene's flags. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
-  if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::NaiveCompact &&
-      what.kind != RepresentationKind::CVert)
-    throw Error(settingName("mesh") + ": meshes have no " + what.label() +
+  if (builtAs.kind != RepresentationKind::Grid && builtAs.kind != RepresentationKind::NaiveCompact &&
+      builtAs.kind != RepresentationKind::CVert)
+    throw Error(settingName("mesh") + ": meshes have no " + builtAs.label() +
                 ": expected grid (Embree's own quads or triangles), naive-compact (these in Embree's compact mode) or "
                 "cvert");
   const Cage& mesh = model.cage;
-  bool ofTriangles = true;
+  bool isTriangleMesh = true;
   for (size_t face = 0; face < mesh.numFaces(); face++)
-    ofTriangles &= isTriangle(mesh, face);
-  const RTCGeometryType type = ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD;
+    isTriangleMesh &= isTriangle(mesh, face);
+  const RTCGeometryType type = isTriangleMesh ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD;
   GeometryHandle geometry(rtcNewGeometry(device->handle(), type));
   std::copy(mesh.positions.begin(), mesh.positions.end(),
             newBuffer<Vec3f>(*device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
@@ -195,14 +195,14 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
     for (size_t face = 0; face < mesh.numFaces(); face++)
       std::copy_n(&mesh.faceIndices[4 * face], faces->size(), faces[face].begin());
   };
-  const char* const doing = "allocating the faces of a mesh";
-  if (ofTriangles)
+  const char* const operation = "allocating the faces of a mesh";
+  if (isTriangleMesh)
     fill(newBuffer<std::array<uint32_t, 3>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
-                                            mesh.numFaces(), doing));
+                                            mesh.numFaces(), operation));
   else
     fill(newBuffer<std::array<uint32_t, 4>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4,
-                                            mesh.numFaces(), doing));
-  if (what.isCompressed())
+                                            mesh.numFaces(), operation));
+  if (builtAs.isCompressed())
   {
     const RTCCompressionArguments arguments = compressionArguments(settings);
     rtcSetGeometryCompression(geometry.get(), &arguments);
@@ -215,15 +215,15 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   readStatistics();
-  if (what.isCompressed() && built.compression.numQuads == 0)
+  if (builtAs.isCompressed() && built.compression.numQuads == 0)
     std::fprintf(stderr,
                  "%s: nothing of the mesh is compressed, because it contains no grids of quads: Embree's own kernel "
                  "traces it\n",
                  name.c_str());
 }
 
-/* NAIVE's vertices are GRID's: a second subdivision geometry is built as GRID, captures each vertex that it
- * tessellates, and is freed. Each quad becomes two triangles, split as in GRID from (1,0) to (0,1):
+/* NAIVE's vertices are GRID's: captureVertices builds GRID and frees it. Each quad becomes two triangles, split as in
+ * GRID from (1,0) to (0,1):
  *
  *     01 --- 11
  *      | \ B |        A = 00, 10, 01    B = 01, 10, 11    (first digit u)
@@ -299,12 +299,12 @@ SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
   result.t = ray.ray.tfar;
   result.u = ray.hit.u;
   result.v = ray.hit.v;
-  result.face = unsigned(ray.hit.geomID * facesOfCopy + ray.hit.primID);
+  result.face = unsigned(ray.hit.geomID * facesPerCopy + ray.hit.primID);
   result.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
   if (!splitsQuads)
     return result;
 
-  const size_t quad = ray.hit.geomID * quadsOfCopy + ray.hit.primID / 2;
+  const size_t quad = ray.hit.geomID * quadsPerCopy + ray.hit.primID / 2;
   const auto& all = patches.patches();
   const Patch& patch = *(std::upper_bound(all.begin(), all.end(), quad,
                                           [](size_t q, const Patch& p) { return q < p.firstQuad; }) - 1);

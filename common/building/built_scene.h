@@ -30,7 +30,7 @@ struct StoredMesh
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
 
-/* Limits how far cVERT moves vertices, in pixels of a camera. */
+/* Bound on the movement of cVERT's vertices, in pixels of a camera. */
 struct PixelBound
 {
   float pixels = 0;     // 0 for none
@@ -62,7 +62,7 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
 /* Fraction of quads that cLEAF stores as cVERT, in [0,1]. */
-inline double exactQuadShare(const RTCCompressionStatistics& s)
+inline double fallbackQuadFraction(const RTCCompressionStatistics& s)
 {
   return s.numQuads ? double(s.numFallbackQuads) / double(s.numQuads) : 0.0;
 }
@@ -84,7 +84,7 @@ struct BuildReport
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
 
-  double exactShare() const { return exactQuadShare(compression); }
+  double fallbackFraction() const { return fallbackQuadFraction(compression); }
 };
 
 class BuiltScene : public TracedScene
@@ -100,14 +100,14 @@ public:
   }
   const VulkanTracer* vulkan() const override { return vulkanTracer.get(); }
 
-  const Representation& representation() const { return what; }
+  const Representation& representation() const { return builtAs; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
 
   /* Saves a compressed scene (saved_scene.h). Replaces the file only on success. Throws Error. */
   void save(const std::string& path) const;
 
-  /* Converts triangles of NAIVE to faces and (u,v). */
+  /* Hits on NAIVE's triangles are converted to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
   /* Writes the vertices of the stored triangle that was hit. `time` is the ray's. Returns false if there is none.
@@ -123,13 +123,13 @@ private:
   void buildMesh(const Model& model, const BuildSettings& settings);
   void readStatistics();
   void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
-  void commit(const char* doing);
+  void commit(const char* operation);
 
-  Representation what;
+  Representation builtAs;
   std::string name;
   PatchLayout patches;
   std::shared_ptr<const EdgeRates> rates; // referenced by contexts
-  size_t facesOfCopy, quadsOfCopy, numGeometries;
+  size_t facesPerCopy, quadsPerCopy, numGeometries;
   std::vector<DisplacementContext> contexts;
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device

@@ -33,10 +33,10 @@ public:
     }
   }
 
-  using Name = std::array<unsigned, 4>;
+  using Key = std::array<unsigned, 4>;
 
   /* Vertex (x,y) must be on the patch's border. */
-  Name name(const Patch& patch, unsigned face, unsigned x, unsigned y) const
+  Key key(const Patch& patch, unsigned face, unsigned x, unsigned y) const
   {
     const unsigned n = patch.resolution, size = faces[face].size;
     if (size == 4)
@@ -61,20 +61,20 @@ private:
     unsigned size;
   };
 
-  Name onEdge(unsigned face, unsigned edge, unsigned k, unsigned steps) const
+  Key onEdge(unsigned face, unsigned edge, unsigned k, unsigned steps) const
   {
     const unsigned a = faces[face].indices[edge], b = faces[face].indices[(edge + 1) % faces[face].size];
     if (k == 0 || k == steps)
       return {Vertex, k == 0 ? a : b, 0, 0};
-    return a < b ? Name{Edge, a, b, k} : Name{Edge, b, a, steps - k};
+    return a < b ? Key{Edge, a, b, k} : Key{Edge, b, a, steps - k};
   }
 
   /* A spoke leads from the middle of an edge to the center. */
-  Name onSpoke(unsigned face, unsigned edge, unsigned k, unsigned steps) const
+  Key onSpoke(unsigned face, unsigned edge, unsigned k, unsigned steps) const
   {
     if (k == 0)
       return onEdge(face, edge, steps, 2 * steps);
-    return k == steps ? Name{Center, face, 0, 0} : Name{Spoke, face, edge, k};
+    return k == steps ? Key{Center, face, 0, 0} : Key{Spoke, face, edge, k};
   }
 
   std::vector<Face> faces;
@@ -172,7 +172,7 @@ DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
 void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
 {
   const BorderPoints points(cage);
-  std::unordered_map<BorderPoints::Name, unsigned, HashOfWords> known;
+  std::unordered_map<BorderPoints::Key, unsigned, HashOfWords> known;
   for (size_t i = firstPatch; i < firstPatch + numPatches; i++)
   {
     const Patch& patch = layout.patches()[i];
@@ -181,7 +181,7 @@ void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
       for (unsigned x = 0; x <= n; x += y == 0 || y == n ? 1 : n)
       {
         const size_t vertex = patch.firstVertex + y * (n + 1) + x;
-        first[vertex] = known.emplace(points.name(patch, face, x, y), unsigned(vertex)).first->second;
+        first[vertex] = known.emplace(points.key(patch, face, x, y), unsigned(vertex)).first->second;
         positions[vertex] = positions[first[vertex]];
       }
   }
@@ -274,7 +274,7 @@ GeometryHandle DicedSurface::makeGrids(EmbreeDevice& device, unsigned gridQuads)
   return geometry;
 }
 
-GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles)
+GeometryHandle makeIndexedGeometry(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles)
 {
   using Triangle = std::array<unsigned, 3>;
   using Quad = std::array<unsigned, 4>;

@@ -42,7 +42,7 @@ struct QuadMesh
 };
 
 /* Returns an uncommitted geometry with its own copy of the mesh. */
-GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
+GeometryHandle makeIndexedGeometry(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
 
 class DicedSurface
 {

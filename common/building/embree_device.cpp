@@ -47,7 +47,7 @@ EmbreeDevice::~EmbreeDevice()
   rtcReleaseDevice(device);
 }
 
-void EmbreeDevice::check(const char* doing)
+void EmbreeDevice::check(const char* operation)
 {
   std::lock_guard<std::mutex> lock(mutex);
   if (errorCode == RTC_ERROR_NONE)
@@ -57,7 +57,7 @@ void EmbreeDevice::check(const char* doing)
   /* A displacement function throws Canceled; Embree reports that as an unknown error. */
   if (code == RTC_ERROR_CANCELLED || cancelRequested())
     throw Canceled();
-  throw Error(std::string("Embree, ") + doing + ": " + errorName(code) +
+  throw Error(std::string("Embree, ") + operation + ": " + errorName(code) +
               (errorMessage.empty() ? "" : ": " + errorMessage));
 }
 

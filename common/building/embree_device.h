@@ -42,9 +42,9 @@ public:
   RTCDevice handle() const { return device; }
   MemoryMonitor& memory() { return monitor; }
 
-  /* Throws Error if an error occurred since the last call, or Canceled if the build was canceled. `doing` names the
+  /* Throws Error if an error occurred since the last call, or Canceled if the build was canceled. `operation` names the
    * operation in the message. Thread-safe. */
-  void check(const char* doing);
+  void check(const char* operation);
 
 private:
   static void onError(void* self, RTCError code, const char* message);
@@ -70,13 +70,13 @@ struct GeometryRelease
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
-/* The geometry owns the buffer (slot 0). `doing` names the operation in errors. Throws Error. */
+/* The geometry owns the buffer (slot 0). `operation` names the operation in errors. Throws Error. */
 template<typename T>
 T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count,
-             const char* doing)
+             const char* operation)
 {
   void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
-  device.check(doing);
+  device.check(operation);
   return static_cast<T*>(data);
 }
 

@@ -43,8 +43,9 @@ std::string versionText(ssize_t number) // for example 31305
 
 std::string LoadedLibrary::description() const
 {
-  return (ours.empty() ? "" : "Embree CBVH " + ours + " on ") + "Embree" + (release.empty() ? "" : " " + release) +
-         (ours.empty() ? ", without compression, " : ", ") + path;
+  return (cbvhVersion.empty() ? "" : "Embree CBVH " + cbvhVersion + " on ") + "Embree" +
+         (embreeVersion.empty() ? "" : " " + embreeVersion) +
+         (cbvhVersion.empty() ? ", without compression, " : ", ") + path;
 }
 
 LoadedLibrary loadedLibrary()
@@ -64,9 +65,9 @@ LoadedLibrary loadedLibrary()
     library.path = info.dli_fname;
   if (RTCDevice device = newDevice("threads=1"))
   {
-    library.release = versionText(property(device, RTC_DEVICE_PROPERTY_VERSION));
+    library.embreeVersion = versionText(property(device, RTC_DEVICE_PROPERTY_VERSION));
     if (ourProperty)
-      library.ours = versionText(ourProperty(device, RTC_COMPRESSION_PROPERTY_VERSION));
+      library.cbvhVersion = versionText(ourProperty(device, RTC_COMPRESSION_PROPERTY_VERSION));
     releaseDevice(device);
   }
   dlclose(opened);

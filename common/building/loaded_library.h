@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Ours has the same file name as Embree's, so the dynamic linker may find another one than intended. */
+/* Identifies the library in use: ours and Embree's have the same file name, so the dynamic linker may find either. */
 
 #include <string>
 
@@ -12,13 +12,14 @@ namespace cbvh {
 struct LoadedLibrary
 {
   std::string path;
-  std::string release; // "3.13.5"; empty if it opens no device
-  std::string ours;    // "0.9.0"; empty for stock Embree
+  std::string embreeVersion; // "3.13.5"; empty if it opens no device
+  std::string cbvhVersion;   // "0.9.0"; empty for stock Embree
 
   /* "Embree CBVH 0.9.0 on Embree 3.13.5, /usr/lib/libembree3.so.3" */
   std::string description() const;
 };
 
+/* All members are empty if no library is loaded. */
 LoadedLibrary loadedLibrary();
 
 /* Throws Error with the loaded library and a remedy if Embree CBVH's functions are missing. */

@@ -102,11 +102,11 @@ const std::string& wordOf(RepresentationKind kind)
   return namesOf(kind).word;
 }
 
-std::string listOfRepresentations(const std::string& between, const std::string& last)
+std::string listOfRepresentations(const std::string& separator, const std::string& last)
 {
   std::string list;
   for (const Names& names : allNames())
-    list += (list.empty() ? "" : &names == &allNames().back() ? last : between) + names.word;
+    list += (list.empty() ? "" : &names == &allNames().back() ? last : separator) + names.word;
   return list;
 }
 

@@ -34,8 +34,11 @@ const std::string& labelOf(RepresentationKind kind);
 const std::string& wordOf(RepresentationKind kind);
 
 /* Lists all names: "naive, grid, ...". `last` precedes the last one. */
-std::string listOfRepresentations(const std::string& between, const std::string& last);
-inline std::string listOfRepresentations(const std::string& between) { return listOfRepresentations(between, between); }
+std::string listOfRepresentations(const std::string& separator, const std::string& last);
+inline std::string listOfRepresentations(const std::string& separator)
+{
+  return listOfRepresentations(separator, separator);
+}
 
 /* The programs' default list: all but cLEAF-only, which is close to cLEAF. */
 std::string defaultRepresentations();

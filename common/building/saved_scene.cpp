@@ -39,7 +39,7 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
-/* Opens geometries (reads their trees) on all threads. */
+/* Opening a geometry reads its tree. */
 SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
   : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
 {
@@ -60,7 +60,7 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
       rtcAttachGeometryByID(scene.get(), geometry.get(), i);
   });
   for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
-    mostFaces = std::max(mostFaces, geometry.primitiveCount);
+    facesPerGeometry = std::max(facesPerGeometry, geometry.primitiveCount);
   rtcCommitScene(scene.get());
   device->check("opening a file");
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
@@ -92,7 +92,7 @@ SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const
   hit.t = ray.ray.tfar;
   hit.u = ray.hit.u;
   hit.v = ray.hit.v;
-  hit.face = ray.hit.geomID * mostFaces + ray.hit.primID;
+  hit.face = ray.hit.geomID * facesPerGeometry + ray.hit.primID;
   hit.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
   return hit;
 }

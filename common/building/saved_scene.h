@@ -34,9 +34,9 @@ public:
   size_t quads() const;
   size_t bytes() const;
 
-  /* Faces of geometry i are numbered from i * facesOfCopy(). */
+  /* Faces of geometry i are numbered from i * facesPerCopy(). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
-  unsigned facesOfCopy() const { return mostFaces; }
+  unsigned facesPerCopy() const { return facesPerGeometry; }
 
   /* Time from opening the file to the committed scene, without the device: wall-clock, and processor time of all
    * threads. */
@@ -54,7 +54,7 @@ private:
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::vector<RTCCompressedFileGeometryInfo> descriptions;
   std::vector<RTCCompressionStatistics> statistics;
-  unsigned mostFaces = 1;
+  unsigned facesPerGeometry = 1; // maximum over the geometries
   double opening = 0, openingProcessorSeconds = 0;
 };
 

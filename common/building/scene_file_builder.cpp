@@ -33,7 +33,7 @@ public:
 private:
   void addBytes(const void* data, size_t bytes) { hash = hashOfBytes(data, bytes, hash); }
 
-  uint64_t hash = hashOfNothing;
+  uint64_t hash = emptyHash;
 };
 
 /* Samples the displacement at a few points of each face. */
@@ -113,7 +113,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
     for (size_t i = report.found; i < report.geometries; i++)
     {
       DisplacementContext context;
-      setSurface(context, model, i, settings.level, settings.rates.get());
+      setDisplacement(context, model, i, settings.level, settings.rates.get());
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments, model.shapeOf(i));
       rtcAppendCompressedGeometry(writer.get(), geometry.get());
       device.check("saving");

@@ -23,13 +23,13 @@ bool hasTriangles(const Representation& r)
 
 bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const
 {
-  if (!hasTriangles(what))
-    throw Error("looking up a triangle: " + what.label() + " stores no triangles: expected cVERT or cGRID");
+  if (!hasTriangles(builtAs))
+    throw Error("looking up a triangle: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
   if (!hit.hit())
     return false;
   RTCCompressedTriangle triangle;
-  const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesOfCopy));
-  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesOfCopy), hit.u, hit.v,
+  const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy));
+  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
                                                     &hit.normal.x, &triangle);
   if (found)
     std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
@@ -40,8 +40,8 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]
 
 StoredMesh BuiltScene::storedMesh(float time) const
 {
-  if (!hasTriangles(what))
-    throw Error("reading the surface: " + what.label() + " stores no triangles: expected cVERT or cGRID");
+  if (!hasTriangles(builtAs))
+    throw Error("reading the surface: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
   struct Sum
   {
     StoredMesh mesh;
@@ -67,7 +67,7 @@ StoredMesh BuiltScene::storedMesh(float time) const
   } sum;
   for (size_t i = 0; i < numGeometries; i++)
   {
-    sum.firstFace = i * facesOfCopy;
+    sum.firstFace = i * facesPerCopy;
     rtcForEachCompressedPartAtTime(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
   }
   device->check("reading the surface");

@@ -18,13 +18,13 @@ float snap(float parameter)
   return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
 }
 
-constexpr size_t batch = 256; // points per call of a displacement
+constexpr size_t batchSize = 256; // points per call of a displacement
 
 /* Displaces points.n points of args, from index `begin` on. */
 void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context,
                           size_t begin, const SurfacePoints& points)
 {
-  float offsets[batch];
+  float offsets[batchSize];
   context.displacement->offsets(points, offsets);
   for (size_t i = 0; i < points.n; i++)
   {
@@ -39,7 +39,7 @@ void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const Disp
                        const SurfacePoints& points)
 {
   const Placement& placement = context.placement;
-  Vec3f normals[batch], vectors[batch];
+  Vec3f normals[batchSize], vectors[batchSize];
   for (size_t i = 0; i < points.n; i++)
     normals[i] = placement.normalToCage({args->Ng_x[begin + i], args->Ng_y[begin + i], args->Ng_z[begin + i]});
   context.displacement->vectors(points, normals, vectors);
@@ -56,10 +56,10 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 {
   throwIfCanceled();  // early, because Embree calls its progress monitor rarely
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
-  float u[batch], v[batch], levels[batch];
-  for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)
+  float u[batchSize], v[batchSize], levels[batchSize];
+  for (size_t begin = 0; context.displacement && begin < args->N; begin += batchSize)
   {
-    const size_t n = std::min<size_t>(batch, args->N - begin);
+    const size_t n = std::min<size_t>(batchSize, args->N - begin);
     std::transform(args->u + begin, args->u + begin + n, u, snap);
     std::transform(args->v + begin, args->v + begin + n, v, snap);
     SurfacePoints points{args->primID, context.level, n, u, v};
@@ -108,14 +108,14 @@ RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 /* Most calls take no lock, because Embree displaces grids of 8 x 8 quads and millions of points per second. */
 void TessellationProgress::add(size_t points)
 {
-  constexpr double pointsOfQuad = 1.3; // 9 x 9 points, rounded up
+  constexpr double pointsPerQuad = 1.3; // 9 x 9 points, rounded up
   constexpr size_t interval = 1 << 14;
   const size_t before = done.fetch_add(points);
   if (before / interval != (before + points) / interval)
-    phase.update(double(before + points) / (pointsOfQuad * double(quads)));
+    phase.update(double(before + points) / (pointsPerQuad * double(quads)));
 }
 
-void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates)
+void setDisplacement(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates)
 {
   context.displacement = model.displacement.get();
   context.level = level;

@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Stock Embree calls its progress monitor only after the tessellation. */
+/* Progress by displaced points, because stock Embree calls its progress monitor only after the tessellation. */
 class TessellationProgress
 {
 public:
@@ -48,7 +48,7 @@ struct DisplacementContext
 
 /* Sets the displacement of a copy. `rates` may be null, and otherwise replace the level. Model and rates must
  * outlive the context. */
-void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
+void setDisplacement(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
 
 struct BufferRelease
 {

@@ -16,7 +16,6 @@
 namespace cbvh {
 namespace {
 
-/* selects the driver's ray queries */
 const std::string rayQueryName = "ray-query";
 
 } // namespace
@@ -25,8 +24,8 @@ void validateTraceDevice(const std::string& name)
 {
   if (name == "cpu")
     return;
-  const std::string way = name.substr(0, name.find(':'));
-  if (way != "vulkan" && way != rayQueryName)
+  const std::string backend = name.substr(0, name.find(':'));
+  if (backend != "vulkan" && backend != rayQueryName)
     throw Error("unknown " + settingName("device") + " '" + name +
                 "': expected cpu, vulkan or ray-query, the last two optionally followed by : and an index or a part of "
                 "a device's name");
@@ -50,9 +49,9 @@ namespace {
 /* `errors` receives the errors of `device`. */
 struct OpenDevice
 {
-  explicit OpenDevice(const std::string& which) : errors("")
+  explicit OpenDevice(const std::string& selector) : errors("")
   {
-    device = rtcNewVulkanDevice(errors.handle(), which.c_str());
+    device = rtcNewVulkanDevice(errors.handle(), selector.c_str());
     errors.check("opening a Vulkan device");
   }
   ~OpenDevice() { rtcReleaseVulkanDevice(device); }
@@ -68,11 +67,11 @@ std::shared_ptr<OpenDevice> openDevice(const std::string& name)
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<OpenDevice>> devices;
   const size_t colon = name.find(':');
-  const std::string which = colon == std::string::npos ? "" : name.substr(colon + 1);
+  const std::string selector = colon == std::string::npos ? "" : name.substr(colon + 1);
   const std::lock_guard<std::mutex> lock(mutex);
-  std::shared_ptr<OpenDevice> device = devices[which].lock();
+  std::shared_ptr<OpenDevice> device = devices[selector].lock();
   if (!device)
-    devices[which] = device = std::make_shared<OpenDevice>(which);
+    devices[selector] = device = std::make_shared<OpenDevice>(selector);
   return device;
 }
 

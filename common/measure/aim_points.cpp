@@ -17,16 +17,16 @@ AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& verti
   for (int kind = 0; kind < numAimKinds; kind++)
     for (size_t i = 0; i < count; i++)
     {
-      const Patch& patch = patches[below(patches.size(), random)];
+      const Patch& patch = patches[uniformIndex(patches.size(), random)];
       const size_t n = patch.resolution;
-      const size_t corner[2] = {n * below(2, random), n * below(2, random)};
-      size_t row = below(n + 1, random), along = below(n + 1, random);
+      const size_t corner[2] = {n * uniformIndex(2, random), n * uniformIndex(2, random)};
+      size_t row = uniformIndex(n + 1, random), along = uniformIndex(n + 1, random);
       if (kind == AtCageVertex || kind == AtFaceBorder)
         row = corner[0];
       if (kind == AtCageVertex)
         along = corner[1];
       if (kind == AtBlockBorder)
-        row = std::min(n, block * below(n / block + 1, random));
+        row = std::min(n, block * uniformIndex(n / block + 1, random));
       const bool swap = random() & 1;
       const auto at = [&](size_t r, size_t a) {
         return vertices[patch.firstVertex + (swap ? a * (n + 1) + r : r * (n + 1) + a)];

@@ -43,7 +43,7 @@ CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, c
   CrossingCounts all;
   std::mutex mutex;
   parallelFor(rays.size(), 4096, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     CrossingCounts counts;
     for (size_t i = begin; i < end; i++)
     {

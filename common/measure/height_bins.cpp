@@ -88,24 +88,24 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
 
   /* Errors are uniform over half a bin. For bins above 10 pixels, only a share is within 5 pixels; its mean square
    * is a third of the largest square. */
-  constexpr int errorsOfBin = 20;
+  constexpr int errorsPerBin = 20;
   HeightBins result;
   result.hits = bins.size();
   std::vector<float> errors;
-  double within = 0, sumOfSquares = 0;
+  double weight = 0, sumOfSquares = 0;
   for (float b : bins)
   {
-    for (int k = 0; k < errorsOfBin; k++)
-      errors.push_back((float(k) + 0.5f) / errorsOfBin * 0.5f * b);
+    for (int k = 0; k < errorsPerBin; k++)
+      errors.push_back((float(k) + 0.5f) / errorsPerBin * 0.5f * b);
     const double farthest = std::min(0.5 * b, double(farOffPixels));
     const double share = b > 0.0f ? 2.0 * farthest / b : 1.0;
-    within += share;
+    weight += share;
     sumOfSquares += share * farthest * farthest / 3.0;
   }
   for (size_t k = 0; k < result.quantiles.size(); k++)
     result.quantiles[k] = quantile(bins, double(k + 1) / double(result.quantiles.size() + 1));
   result.median = quantile(errors, 0.5);
-  result.inlierRmse = within > 0.0 ? std::sqrt(sumOfSquares / within) : 0.0;
+  result.inlierRmse = weight > 0.0 ? std::sqrt(sumOfSquares / weight) : 0.0;
   return result;
 }
 

@@ -15,17 +15,17 @@
 namespace cbvh {
 namespace {
 
-constexpr size_t raysOfPlace = 8;
-constexpr size_t placesOfChunk = 128;
+constexpr size_t raysPerPoint = 8;
+constexpr size_t pointsPerChunk = 128;
 constexpr size_t maxExamples = 16;
 
-struct Place
+struct InsidePoint
 {
   Vec3f origin;
   AimPoint target;
 };
 
-struct Found
+struct WallHit
 {
   float t = INFINITY;
   float slope = 0; // d(height above the surface)/dt, positive if the ray leaves
@@ -35,7 +35,7 @@ struct Found
   bool hit() const { return t < INFINITY; }
 };
 
-Found foundBy(const RTCRayHit& out, const Ray& ray)
+WallHit wallHitOf(const RTCRayHit& out, const Ray& ray)
 {
   if (out.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return {};
@@ -43,12 +43,12 @@ Found foundBy(const RTCRayHit& out, const Ray& ray)
   return {out.ray.tfar, dot(normal, ray.direction), normal};
 }
 
-Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+WallHit closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
 {
   RTCRayHit out;
   load(ray, out);
   rtcIntersect1(scene, &context, &out);
-  return foundBy(out, ray);
+  return wallHitOf(out, ray);
 }
 
 bool any(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
@@ -68,7 +68,7 @@ Ray rayFrom(Vec3f origin, Vec3f direction, float tnear = 0.0f)
   return ray;
 }
 
-float nudged(float x, std::mt19937& random)
+float perturbed(float x, std::mt19937& random)
 {
   const int steps = int(random() % 5) - 2;
   for (int i = 0; i < std::abs(steps); i++)
@@ -85,13 +85,13 @@ public:
     rtcInitIntersectContext(&context);
   }
 
-  LeakCounts run(size_t places)
+  LeakCounts run(size_t numPoints)
   {
-    for (size_t i = 0; i < places; i++)
+    for (size_t i = 0; i < numPoints; i++)
     {
-      Place place;
-      if (findPlace(points[i % numAimKinds], i / numAimKinds % 2, place))
-        drawFrom(place);
+      InsidePoint point;
+      if (findInsidePoint(points[i % numAimKinds], i / numAimKinds % 2, point))
+        addRaysFrom(point);
     }
     trace();
     return counts;
@@ -99,20 +99,20 @@ public:
 
 private:
   /* If `grazing`, directions are within 6 degrees of the surface, slightly more if they end too close to it. */
-  bool findPlace(const std::vector<AimPoint>& from, bool grazing, Place& place)
+  bool findInsidePoint(const std::vector<AimPoint>& from, bool grazing, InsidePoint& point)
   {
     for (int attempt = 0; attempt < 64 && !from.empty(); attempt++)
     {
-      place.target = from[below(from.size(), random)];
-      const Vec3f inwards = -normalize(place.target.normal);
+      point.target = from[uniformIndex(from.size(), random)];
+      const Vec3f inwards = -normalize(point.target.normal);
       const float cosine = (grazing ? 0.1f + 0.01f * float(attempt) : 1.0f) * uniform(random);
-      const Vec3f direction = around(inwards, cosine, 2.0f * float(M_PI) * uniform(random));
-      const float edge = length(place.target.neighbor - place.target.position);
-      const Found wall = closest(grid, context, rayFrom(place.target.position, direction, 0.01f * edge));
+      const Vec3f direction = directionAround(inwards, cosine, 2.0f * float(M_PI) * uniform(random));
+      const float edge = length(point.target.neighbor - point.target.position);
+      const WallHit wall = closest(grid, context, rayFrom(point.target.position, direction, 0.01f * edge));
       if (!wall.fromBack() || wall.t < 4.0f * std::max(edge, settings.thickness))
         continue;
-      place.origin = place.target.position + 0.5f * wall.t * direction;
-      if (isInside(place.origin) && isClear(place.origin, {place.target.position - place.origin, place.target.normal}))
+      point.origin = point.target.position + 0.5f * wall.t * direction;
+      if (isInside(point.origin) && isClear(point.origin, {point.target.position - point.origin, point.target.normal}))
         return true;
     }
     return false;
@@ -121,7 +121,7 @@ private:
   bool isInside(Vec3f p)
   {
     for (int i = 0; i < 2; i++)
-      if (!closest(grid, context, rayFrom(p, anyDirection(random))).fromBack())
+      if (!closest(grid, context, rayFrom(p, uniformDirection(random))).fromBack())
         return false;
     return true;
   }
@@ -129,7 +129,7 @@ private:
   bool isOutside(Vec3f p)
   {
     for (int i = 0; i < 16; i++)
-      if (closest(grid, context, rayFrom(p, anyDirection(random))).fromBack())
+      if (closest(grid, context, rayFrom(p, uniformDirection(random))).fromBack())
         return false;
     return true;
   }
@@ -141,8 +141,8 @@ private:
     const float distance = 1.5f * settings.thickness;
     for (size_t i = 0; i < 10; i++)
     {
-      const Vec3f direction = i < directions.size() ? normalize(directions[i]) : anyDirection(random);
-      const Found wall = closest(grid, context, rayFrom(p, direction));
+      const Vec3f direction = i < directions.size() ? normalize(directions[i]) : uniformDirection(random);
+      const WallHit wall = closest(grid, context, rayFrom(p, direction));
       Ray nearest = rayFrom(p, wall.fromBack() ? wall.normal : -wall.normal);
       nearest.tfar = distance;
       if (wall.hit() && (wall.t < distance || any(grid, context, nearest)))
@@ -151,46 +151,46 @@ private:
     return true;
   }
 
-  void drawFrom(const Place& place)
+  void addRaysFrom(const InsidePoint& point)
   {
-    const auto towards = [&](Vec3f target) { return target - place.origin; };
-    const AimPoint& a = place.target;
+    const auto towards = [&](Vec3f target) { return target - point.origin; };
+    const AimPoint& a = point.target;
     Vec3f d = towards(a.position);
-    draw(place, d, true);
-    draw(place, {nudged(d.x, random), nudged(d.y, random), nudged(d.z, random)}, true);
+    addRay(point, d, true);
+    addRay(point, {perturbed(d.x, random), perturbed(d.y, random), perturbed(d.z, random)}, true);
     for (int i = 0; i < 3; i++)
-      draw(place, towards(lerp(a.position, a.neighbor, uniform(random))), true);
-    draw(place, normalize(d), true);
-    draw(place, anyDirection(random), false);
+      addRay(point, towards(lerp(a.position, a.neighbor, uniform(random))), true);
+    addRay(point, normalize(d), true);
+    addRay(point, uniformDirection(random), false);
     const float side = random() & 1 ? 1.0f : -1.0f;
-    const size_t axis = below(3, random);
-    draw(place, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f}, false);
+    const size_t axis = uniformIndex(3, random);
+    addRay(point, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f}, false);
   }
 
-  void draw(const Place& place, Vec3f direction, bool aimed)
+  void addRay(const InsidePoint& point, Vec3f direction, bool aimed)
   {
-    drawn.push_back({rayFrom(place.origin, direction), aimed});
+    testRays.push_back({rayFrom(point.origin, direction), aimed});
   }
 
   /* Traces all rays in one call, for the speed of devices. */
   void trace()
   {
-    std::vector<RTCRayHit> closestHits(drawn.size());
-    std::vector<RTCRay> anyHits(drawn.size());
-    for (size_t i = 0; i < drawn.size(); i++)
+    std::vector<RTCRayHit> closestHits(testRays.size());
+    std::vector<RTCRay> anyHits(testRays.size());
+    for (size_t i = 0; i < testRays.size(); i++)
     {
-      load(drawn[i].ray, closestHits[i]);
-      load(drawn[i].ray, anyHits[i]);
+      load(testRays[i].ray, closestHits[i]);
+      load(testRays[i].ray, anyHits[i]);
     }
-    scene.intersect(closestHits.data(), drawn.size());
-    scene.occluded(anyHits.data(), drawn.size());
-    for (size_t i = 0; i < drawn.size(); i++)
-      judge(drawn[i].ray, drawn[i].aimed, foundBy(closestHits[i], drawn[i].ray), anyHits[i].tfar < 0.0f);
+    scene.intersect(closestHits.data(), testRays.size());
+    scene.occluded(anyHits.data(), testRays.size());
+    for (size_t i = 0; i < testRays.size(); i++)
+      judge(testRays[i].ray, testRays[i].aimed, wallHitOf(closestHits[i], testRays[i].ray), anyHits[i].tfar < 0.0f);
   }
 
-  void judge(const Ray& ray, bool aimed, const Found& inScene, bool anyInScene)
+  void judge(const Ray& ray, bool aimed, const WallHit& inScene, bool anyInScene)
   {
-    const Found inGrid = closest(grid, context, ray);
+    const WallHit inGrid = closest(grid, context, ray);
     const Leaks sceneLeaks = leaks(inScene, anyInScene, inGrid, ray);
     counts.rays++;
     counts.aimed += aimed;
@@ -202,7 +202,7 @@ private:
       counts.examples.push_back(ray);
   }
 
-  Leaks leaks(const Found& found, bool foundAny, const Found& other, const Ray& ray)
+  Leaks leaks(const WallHit& found, bool foundAny, const WallHit& other, const Ray& ray)
   {
     Leaks leaks;
     leaks.closest = !found.hit();
@@ -213,7 +213,7 @@ private:
 
   /* True if a ray hits the outside of a wall, well after the first wall of the other scene, and is outside halfway
    * between. Excludes rays that only touch the first wall and continue inside the surface. */
-  bool leaksThrough(const Found& found, const Found& first, const Ray& ray)
+  bool leaksThrough(const WallHit& found, const WallHit& first, const Ray& ray)
   {
     const float tolerance = 2.0f * settings.thickness + 1e-5f * length(ray.origin);
     if (found.fromBack() || !((found.t - first.t) * std::abs(first.slope) > tolerance))
@@ -222,7 +222,7 @@ private:
     return isOutside(p) && isClear(p, {first.normal, found.normal});
   }
 
-  struct Drawn
+  struct TestRay
   {
     Ray ray;
     bool aimed;
@@ -230,7 +230,7 @@ private:
 
   RTCScene grid;
   const SceneTracer& scene;
-  std::vector<Drawn> drawn;
+  std::vector<TestRay> testRays;
   const AimPoints& points;
   const LeakSettings& settings;
   std::mt19937 random;
@@ -253,10 +253,10 @@ LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& 
 {
   LeakCounts sum;
   std::mutex mutex;
-  const size_t places = (settings.rays + raysOfPlace - 1) / raysOfPlace;
-  parallelFor(places, placesOfChunk, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
-    const uint32_t seed = settings.seed + 0x9E3779B9u * uint32_t(begin / placesOfChunk + 1);
+  const size_t numPoints = (settings.rays + raysPerPoint - 1) / raysPerPoint;
+  parallelFor(numPoints, pointsPerChunk, threads, [&](size_t begin, size_t end) {
+    const FlushDenormals denormals;
+    const uint32_t seed = settings.seed + 0x9E3779B9u * uint32_t(begin / pointsPerChunk + 1);
     const LeakCounts local = Tracer(grid, scene, points, settings, seed).run(end - begin);
     const std::lock_guard<std::mutex> lock(mutex);
     sum.rays += local.rays;

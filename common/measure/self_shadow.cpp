@@ -104,16 +104,16 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
 class PixelComparer
 {
 public:
-  PixelComparer(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
+  PixelComparer(const TracedHits& grid, const TracedHits& tested, const PrimaryRays& primary,
                 const ShadowSettings& settings)
-    : grid(grid), seen(seen), primary(primary), settings(settings)
+    : grid(grid), tested(tested), primary(primary), settings(settings)
   {
   }
 
   void add(size_t pixel, std::mt19937& random)
   {
     const Ray& ray = primary.rays[pixel];
-    const SurfaceHit &gridHit = grid.hits[pixel], &hit = seen.hits[pixel];
+    const SurfaceHit &gridHit = grid.hits[pixel], &hit = tested.hits[pixel];
     if (!hasNormal(gridHit) || !hasNormal(hit))
     {
       skipPixel(settings, random);
@@ -137,7 +137,7 @@ public:
   {
     truth.trace(grid.scene);
     control.trace(grid.scene);
-    own.trace(seen.scene);
+    own.trace(tested.scene);
     ShadowComparison sum;
     for (size_t i = 0; i < kinds.size(); i++)
     {
@@ -166,7 +166,7 @@ private:
     bool same, flipped;
   };
 
-  const TracedHits &grid, &seen;
+  const TracedHits &grid, &tested;
   const PrimaryRays& primary;
   const ShadowSettings& settings;
   ShadowRays truth, own, control;
@@ -175,37 +175,37 @@ private:
 
 } // namespace
 
-ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& tested, const PrimaryRays& primary,
                                 const ShadowSettings& settings, unsigned threads)
 {
   ShadowComparison sum;
   std::mutex mutex;
   parallelFor(primary.rays.size(), chunk, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     std::mt19937 random = randomOfChunk(settings, begin);
-    PixelComparer comparer(grid, seen, primary, settings);
+    PixelComparer comparer(grid, tested, primary, settings);
     for (size_t i = begin; i < end; i++)
       comparer.add(i, random);
-    const ShadowComparison ofChunk = comparer.compare();
+    const ShadowComparison chunkSum = comparer.compare();
     const std::lock_guard<std::mutex> lock(mutex);
-    sum += ofChunk;
+    sum += chunkSum;
   });
   return sum;
 }
 
-std::vector<float> ambientOcclusion(const TracedHits& seen, const PrimaryRays& primary, const ShadowSettings& settings,
-                                    unsigned threads)
+std::vector<float> ambientOcclusion(const TracedHits& tested, const PrimaryRays& primary,
+                                    const ShadowSettings& settings, unsigned threads)
 {
   std::vector<float> light(primary.rays.size(), 1.0f);
   parallelFor(light.size(), chunk, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     std::mt19937 random = randomOfChunk(settings, begin);
     ShadowRays rays;
     std::vector<size_t> pixels;
     for (size_t i = begin; i < end; i++)
     {
       const Ray& ray = primary.rays[i];
-      const SurfaceHit& hit = seen.hits[i];
+      const SurfaceHit& hit = tested.hits[i];
       if (!hasNormal(hit))
       {
         skipPixel(settings, random);
@@ -216,7 +216,7 @@ std::vector<float> ambientOcclusion(const TracedHits& seen, const PrimaryRays& p
         rays.add(secondaryRay(ray, hit, cosineDirection(n, random), settings, primary.footprint));
       pixels.push_back(i);
     }
-    rays.trace(seen.scene);
+    rays.trace(tested.scene);
     for (size_t i = 0; i < pixels.size(); i++)
     {
       unsigned free = 0;

@@ -18,7 +18,7 @@
 
 namespace cbvh {
 
-/* Keeps secondary rays off the surface that they leave, as renderers do. */
+/* How secondary rays avoid the surface that they leave, as in renderers. */
 struct RayOffset
 {
   float length = 0.0f;  // along the geometric normal to the ray's side, world units
@@ -75,12 +75,12 @@ struct ShadowComparison
 
 /* Traces the same directions from each pixel that both scenes hit: cosine-distributed about GRID's normal on the
  * side of the primary ray. Throws Canceled. */
-ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& tested, const PrimaryRays& primary,
                                 const ShadowSettings& settings, unsigned threads);
 
 /* Fraction of unoccluded directions per pixel, 1 for a miss. Directions are cosine-distributed about the hit's own
  * normal. Throws Canceled. */
-std::vector<float> ambientOcclusion(const TracedHits& seen, const PrimaryRays& primary, const ShadowSettings& settings,
-                                    unsigned threads);
+std::vector<float> ambientOcclusion(const TracedHits& tested, const PrimaryRays& primary,
+                                    const ShadowSettings& settings, unsigned threads);
 
 } // namespace cbvh

@@ -17,9 +17,9 @@
 namespace cbvh {
 namespace {
 
-constexpr int cageQuads = 4;         // per side
-constexpr double rim = 0.9;          // limits rays, because displacement moves borders sideways
-constexpr size_t raysOfChunk = 1000; // with one seed
+constexpr int cageQuads = 4;          // per side
+constexpr double maxCoordinate = 0.9; // limits rays, because displacement moves borders sideways
+constexpr size_t raysPerChunk = 1000; // with one seed
 constexpr size_t maxExamples = 16;
 constexpr double pi = 3.14159265358979323846;
 
@@ -29,7 +29,7 @@ public:
   explicit Draws(uint64_t seed) : engine(seed) {}
   double uniform(double lower, double upper) { return lower + (upper - lower) * (double(engine() >> 11) * 0x1p-53); }
   double magnitude(double lower, double upper) { return lower * std::pow(upper / lower, uniform(0, 1)); }
-  int below(int n) { return int(uniform(0, n)); }
+  int index(int n) { return int(uniform(0, n)); }
 
 private:
   std::mt19937_64 engine;
@@ -49,7 +49,7 @@ std::vector<float> drawRates(Draws& draws)
       {
         const auto edge = std::minmax(ring[i], ring[(i + 1) % 4]);
         const auto found = rateOf.find(edge);
-        rates.push_back(found != rateOf.end() ? found->second : rateOf[edge] = float(1 + draws.below(32)));
+        rates.push_back(found != rateOf.end() ? found->second : rateOf[edge] = float(1 + draws.index(32)));
       }
     }
   return rates;
@@ -58,13 +58,13 @@ std::vector<float> drawRates(Draws& draws)
 DisplacedSheet drawSheet(Draws& draws)
 {
   DisplacedSheet sheet;
-  sheet.level = 2 + draws.below(5);
-  sheet.frameLevel = draws.below(sheet.level + 1);
+  sheet.level = 2 + draws.index(5);
+  sheet.frameLevel = draws.index(sheet.level + 1);
   sheet.amplitude = draws.magnitude(0.03, 5);
-  sheet.sideways = draws.below(2) ? draws.uniform(0, 0.6) : 0;
+  sheet.sideways = draws.index(2) ? draws.uniform(0, 0.6) : 0;
   sheet.frequency = draws.magnitude(0.35, 1.6);
-  const int rates = draws.below(8); // 6 of 8 sheets have a power of two as rate
-  sheet.rate = rates == 0 ? float(1 + draws.below(40)) : float(1 << sheet.level);
+  const int rates = draws.index(8); // 6 of 8 sheets have a power of two as rate
+  sheet.rate = rates == 0 ? float(1 + draws.index(40)) : float(1 << sheet.level);
   if (rates == 1)
     sheet.rates = drawRates(draws);
   return sheet;
@@ -98,17 +98,17 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
     const double slope = draws.magnitude(0.03, 3);
     double above = bounds.upper_z + height * draws.uniform(0.01, 1);
     double below = bounds.lower_z - height * draws.uniform(0.01, 1);
-    if (above - below > slope * rim) // too long for the sheet
+    if (above - below > slope * maxCoordinate) // too long for the sheet
     {
       above = bounds.upper_z + 1e-3;
       below = bounds.lower_z - 1e-3;
     }
-    const double length = std::min((above - below) / slope, 1.7 * rim), angle = draws.uniform(0, 2 * pi);
-    const double x = draws.uniform(-rim, rim), y = draws.uniform(-rim, rim);
+    const double length = std::min((above - below) / slope, 1.7 * maxCoordinate), angle = draws.uniform(0, 2 * pi);
+    const double x = draws.uniform(-maxCoordinate, maxCoordinate), y = draws.uniform(-maxCoordinate, maxCoordinate);
     const double dx = length * std::cos(angle), dy = length * std::sin(angle);
-    if (std::fabs(x + dx) > rim || std::fabs(y + dy) > rim)
+    if (std::fabs(x + dx) > maxCoordinate || std::fabs(y + dy) > maxCoordinate)
       continue;
-    const bool down = draws.below(2);
+    const bool down = draws.index(2);
     const Vec3f begin{float(x), float(y), float(down ? above : below)};
     return Ray{begin, 0.0f, {float(dx), float(dy), float(down ? below - above : above - below)}, INFINITY};
   }
@@ -119,16 +119,16 @@ int octant(const Ray& ray)
   return (ray.direction.x < 0) + 2 * (ray.direction.y < 0) + 4 * (ray.direction.z < 0);
 }
 
-class SceneOfSheet
+class SheetScene
 {
 public:
-  SceneOfSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompression compression)
+  SheetScene(RTCDevice device, const DisplacedSheet& sheet, RTCCompression compression)
     : scene(commitSheet(device, sheet, compression))
   {
   }
-  ~SceneOfSheet() { rtcReleaseScene(scene); }
-  SceneOfSheet(const SceneOfSheet&) = delete;
-  SceneOfSheet& operator=(const SceneOfSheet&) = delete;
+  ~SheetScene() { rtcReleaseScene(scene); }
+  SheetScene(const SheetScene&) = delete;
+  SheetScene& operator=(const SheetScene&) = delete;
   operator RTCScene() const { return scene; }
 
 private:
@@ -210,7 +210,7 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
   {
     const size_t rays = std::min(settings.raysPerSheet, settings.rays - all.rays);
     const DisplacedSheet sheet = drawSheet(draws);
-    const SceneOfSheet grid(device, sheet, RTC_COMPRESSION_NONE), scene(device, sheet, compression);
+    const SheetScene grid(device, sheet, RTC_COMPRESSION_NONE), scene(device, sheet, compression);
     RTCBounds bounds, own;
     rtcGetSceneBounds(grid, &bounds);
     rtcGetSceneBounds(scene, &own);
@@ -219,7 +219,7 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
     const std::unique_ptr<SceneTracer> tracer =
       settings.packets ? std::make_unique<PacketTracer>(scene) : makeTracer(settings.device, scene);
     const uint64_t seed = (uint64_t(settings.seed) << 40) + (uint64_t(all.sheets) << 20);
-    parallelFor(rays, raysOfChunk, threads, [&](size_t begin, size_t end) {
+    parallelFor(rays, raysPerChunk, threads, [&](size_t begin, size_t end) {
       Draws rayDraws(seed + begin);
       std::vector<Ray> drawn;
       std::vector<RTCRayHit> closestHits(end - begin);

@@ -14,7 +14,7 @@ namespace {
 /* In pixels unless stated otherwise. */
 struct Measure
 {
-  bool measured = false, apart = false;
+  bool isMeasured = false, isFarOff = false;
   float distance = 0, world = 0, along = 0, angle = 0; // world: world units; angle: degrees
   std::optional<float> cells; // distance in (u,v) in quads, on the same patch
 };
@@ -30,7 +30,7 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const TrueSurface& surface = view.surfaces[hit.face / faces];
   if (!surface.has(reported.face))
     return result;
-  result.measured = true;
+  result.isMeasured = true;
   const Placement& copy = view.model.copies[hit.face / faces];
 
   const double pixel = double(view.footprint) * hit.t;
@@ -43,10 +43,10 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   result.world = float(length(foot.position - x) * copy.scale);
   result.distance = float(result.world / pixel);
 
-  const auto met = surface.crossing(origin, direction, foot, 1.0 / resolution,
+  const auto intersection = surface.crossing(origin, direction, foot, 1.0 / resolution,
                                          crossingTolerance * pixel / copy.scale);
-  result.along = met ? float(dot(x - met->position, direction) * copy.scale / pixel) : INFINITY;
-  result.apart = std::abs(result.along) > farOffPixels;
+  result.along = intersection ? float(dot(x - intersection->position, direction) * copy.scale / pixel) : INFINITY;
+  result.isFarOff = std::abs(result.along) > farOffPixels;
 
   const Vec3d a = normalize(cross(foot.du, foot.dv));
   const Vec3d b = normalize(copy.directionToCage(toDouble(hit.normal)));
@@ -87,13 +87,13 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   double squaresWorld = 0, squaresAlong = 0, sumAlong = 0;
   for (const Measure& m : measures)
   {
-    if (!m.measured)
+    if (!m.isMeasured)
       continue;
     samples.add(m.distance, m.angle, m.cells);
     world.push_back(m.world);
     squaresWorld += double(m.world) * m.world;
-    result.apart += m.apart;
-    if (!m.apart)
+    result.farOff += m.isFarOff;
+    if (!m.isFarOff)
     {
       squaresAlong += double(m.along) * m.along;
       sumAlong += m.along;
@@ -101,12 +101,12 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   }
   static_cast<ErrorSummary&>(result) = samples.summary();
   result.hits = samples.hits();
-  const size_t met = result.hits - result.apart;
+  const size_t inliers = result.hits - result.farOff;
   result.rmseWorld = rootOfMean(squaresWorld, result.hits);
   result.medianWorld = quantile(world, 0.5);
   result.p99World = quantile(world, 0.99);
-  result.rmseAlong = rootOfMean(squaresAlong, met);
-  result.bias = met ? sumAlong / double(met) : 0.0;
+  result.rmseAlong = rootOfMean(squaresAlong, inliers);
+  result.bias = inliers ? sumAlong / double(inliers) : 0.0;
   return result;
 }
 

@@ -19,7 +19,7 @@ inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
           {"solid_leaves", s.numSolidLeaves},           {"max_leaf_thickness", s.maxLeafThickness},
           {"raw_blocks", s.numRawBlocks},               {"max_vertex_spacing", s.maxVertexSpacing},
           {"max_border_mismatch", s.maxBorderMismatch}, {"max_vertex_deviation", s.maxVertexDeviation},
-          {"fallback_quads", s.numFallbackQuads},             {"fallback_quads_share", exactQuadShare(s)},
+          {"fallback_quads", s.numFallbackQuads},             {"fallback_quads_share", fallbackQuadFraction(s)},
           {"flipped_quads", s.numFlippedQuads}};
 }
 

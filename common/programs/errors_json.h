@@ -49,7 +49,7 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
                {"p99_world", e.p99World},
                {"rmse_along_ray_pixels", e.rmseAlong},
                {"bias_pixels", e.bias},
-               {"not_within_5_pixels_along_ray", e.apart}});
+               {"not_within_5_pixels_along_ray", e.farOff}});
   return json;
 }
 

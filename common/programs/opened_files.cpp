@@ -47,10 +47,10 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
       saved.threads = current.threads;
       return saved;
     }
-    std::string& place = isCage(path) ? cage : height;
-    if (!place.empty())
-      throw Error(place + " and " + path + ": expected only one " + (isCage(path) ? "cage" : "height map"));
-    place = path;
+    std::string& slot = isCage(path) ? cage : height;
+    if (!slot.empty())
+      throw Error(slot + " and " + path + ": expected only one " + (isCage(path) ? "cage" : "height map"));
+    slot = path;
   }
   SceneSettings opened = current;
   if (!cage.empty())

@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/* Path that two outputs must not share; empty for devices and pipes. */
-std::string placeOf(const std::string& path)
+/* Empty for devices and pipes, which outputs may share. */
+std::string canonicalPath(const std::string& path)
 {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
@@ -29,9 +29,9 @@ std::string placeOf(const std::string& path)
 void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs)
 {
   for (const std::string& path : {model.cagePath, model.meshPath, model.savedPath, model.heightPath})
-    noteInputFile(path);
+    recordInputFile(path);
   for (const std::string& path : model.cageEnds)
-    noteInputFile(path);
+    recordInputFile(path);
   std::map<std::string, std::string> optionOf;
   for (const Output& output : outputs)
   {
@@ -45,9 +45,9 @@ void validateOutputs(const SceneSettings& model, const std::vector<Output>& outp
     {
       throw Error(output.option + " " + e.what());
     }
-    const std::string place = placeOf(output.path);
-    const auto [other, isNew] = optionOf.try_emplace(place, output.option);
-    if (!isNew && !place.empty())
+    const std::string canonical = canonicalPath(output.path);
+    const auto [other, isNew] = optionOf.try_emplace(canonical, output.option);
+    if (!isNew && !canonical.empty())
       throw Error(output.option + " " + output.path + ": " + other->second + " names the same file; expected another");
   }
 }

@@ -156,7 +156,7 @@ Model boxModel(const std::string& name, const Box3f& b, const std::string& up)
   if (!up.empty() && up != "auto")
   {
     model.up = up;
-    model.view = turnedFromY(model.view, up);
+    model.view = rotatedFromY(model.view, up);
   }
   for (int i = 0; i < 8; i++)
     model.cage.positions.push_back(

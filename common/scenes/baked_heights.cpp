@@ -13,7 +13,7 @@
 namespace cbvh {
 namespace {
 
-constexpr int rim = 4; // texels around each chart
+constexpr int padding = 4; // texels around each chart
 
 /* Evaluates heights at points (u,v) of every face. store(face, index of the point, height) must be thread-safe. */
 template<typename Store>
@@ -59,7 +59,7 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
 using Coverage = std::vector<char>;
 
 /* Extends covered areas by one texel per step, with the mean of the covered neighbors. */
-void growCovered(HeightMap& map, Coverage& covered, int steps, unsigned threads)
+void dilate(HeightMap& map, Coverage& covered, int steps, unsigned threads)
 {
   const int width = map.width(), height = map.height();
   for (int step = 0; step < steps; step++)
@@ -112,10 +112,10 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake)
   return map;
 }
 
-/* The rim continues the outermost texels, for filters at a seam. */
+/* The padding continues the outermost texels, for filters at a seam. */
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
 {
-  const Charts charts = unfoldCharts(cage, texels, rim);
+  const Charts charts = unfoldCharts(cage, texels, padding);
   setChartUVs(cage, charts);
   HeightMap map(charts.width, charts.height);
   std::vector<float> u, v;
@@ -128,8 +128,8 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
   const auto texel = [&](size_t face, int i, int j) -> float& {
     const ChartCell& c = charts.cells[face];
     const int last = texels - 1;
-    const int turned[4][2] = {{i, j}, {last - j, i}, {last - i, last - j}, {j, last - i}};
-    return map.at(c.x + turned[c.turn][0], charts.height - 1 - (c.y + turned[c.turn][1]));
+    const int rotated[4][2] = {{i, j}, {last - j, i}, {last - i, last - j}, {j, last - i}};
+    return map.at(c.x + rotated[c.turn][0], charts.height - 1 - (c.y + rotated[c.turn][1]));
   };
   evaluate(cage, std::move(u), std::move(v), bake,
            [&](size_t face, size_t i, float h) { texel(face, int(i) % texels, int(i) / texels) = h; });
@@ -140,7 +140,7 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
     for (int y = 0; y < texels; y++)
       for (int x = 0; x < texels; x++)
         at(c.x + x, charts.height - 1 - (c.y + y)) = 1;
-  growCovered(map, covered, 2 * rim, bake.threads);
+  dilate(map, covered, 2 * padding, bake.threads);
   for (int y = 0; y < charts.height; y++)
     for (int x = 0; x < charts.width; x++)
       if (!at(x, y))
@@ -150,7 +150,7 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
 
 void unfoldForCharts(Cage& cage, int texels)
 {
-  setChartUVs(cage, unfoldCharts(cage, texels, rim));
+  setChartUVs(cage, unfoldCharts(cage, texels, padding));
 }
 
 std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake)

@@ -52,14 +52,14 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
   }
   else
     model.up = settings.up;
-  model.view = turnedFromY(model.view, model.up);
+  model.view = rotatedFromY(model.view, model.up);
 }
 
 /* Records the file as an input of the run. */
 Cage readInput(const std::string& path, std::string& warnings)
 {
   Cage cage = readObj(path, warnings);
-  noteInputFile(path);
+  recordInputFile(path);
   return cage;
 }
 
@@ -95,7 +95,7 @@ Model loadCage(const SceneSettings& settings, std::string& warnings)
   if (!settings.heightPath.empty())
   {
     model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
-    noteMapFiles(model.cage, settings.heightPath);
+    recordMapFiles(model.cage, settings.heightPath);
   }
   return model;
 }
@@ -149,14 +149,14 @@ const SceneEntry* findScene(const std::string& name)
 void validateMap(const SceneSettings& s)
 {
   const bool isRepeated = s.repeat.x != 1.0f || s.repeat.y != 1.0f;
-  const std::pair<std::string, bool> given[] = {{settingName("amplitude"), s.amplitude && !s.cagePath.empty()},
-                                                {settingName("height-scale"), s.mapScale.has_value()},
-                                                {settingName("mid-level"), s.midLevel.has_value()},
-                                                {settingName("channel"), !s.channel.empty()},
-                                                {settingName("height-repeat"), isRepeated},
-                                                {settingName("vectors"), s.mapValues != MapValues::Heights}};
-  for (const auto& [option, isGiven] : given)
-    if (isGiven && s.heightPath.empty())
+  const std::pair<std::string, bool> mapOptions[] = {{settingName("amplitude"), s.amplitude && !s.cagePath.empty()},
+                                                     {settingName("height-scale"), s.mapScale.has_value()},
+                                                     {settingName("mid-level"), s.midLevel.has_value()},
+                                                     {settingName("channel"), !s.channel.empty()},
+                                                     {settingName("height-repeat"), isRepeated},
+                                                     {settingName("vectors"), s.mapValues != MapValues::Heights}};
+  for (const auto& [option, isSet] : mapOptions)
+    if (isSet && s.heightPath.empty())
       throw Error(option + " needs a height map: expected " + settingName("height") + " FILE");
   if (s.amplitude && s.mapScale)
     throw Error(settingName("amplitude") + " and " + settingName("height-scale") +
@@ -215,9 +215,9 @@ void validateScene(const SceneSettings& s)
     throw Error("unknown " + settingName("mapping") + " '" + s.mapping + "': expected faces or atlas");
   if (s.count && s.scene != "herd")
     throw Error(settingName("count") + " needs " + settingName("scene") + " herd");
-  if (s.count && (*s.count < 1 || *s.count > herdMostCount))
+  if (s.count && (*s.count < 1 || *s.count > maxHerdCount))
     throw Error(settingName("count") + " " + std::to_string(*s.count) + " is out of range: expected 1 to " +
-                std::to_string(herdMostCount));
+                std::to_string(maxHerdCount));
   if (!s.up.empty() && s.cagePath.empty() && s.meshPath.empty())
     throw Error(settingName("up") + " needs " + settingName("cage") + " or " + settingName("mesh"));
   if (s.amplitude && !std::isfinite(*s.amplitude))

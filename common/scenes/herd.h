@@ -10,7 +10,7 @@
 namespace cbvh {
 
 constexpr int herdCount = 12;
-constexpr int herdMostCount = 100000;
+constexpr int maxHerdCount = 100000;
 
 /* The copies share heights and topology. */
 Model makeHerd(const TrexSettings& settings, int count = herdCount);

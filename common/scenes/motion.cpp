@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-Vec3f turned(Vec3f p, Vec3f center, Vec3f axis, float angle)
+Vec3f rotated(Vec3f p, Vec3f center, Vec3f axis, float angle)
 {
   const Vec3f d = p - center;
   const float c = std::cos(angle), s = std::sin(angle);
@@ -23,18 +23,18 @@ Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
   const Vec3f middle = 0.5f * (bounds.lower + bounds.upper), size = bounds.upper - bounds.lower;
   const float height = (p.y - bounds.lower.y) / std::max(size.y, 1e-20f); // 0 to 1
   if (name == "turn")
-    return turned(p, middle, {0, 1, 0}, angle);
+    return rotated(p, middle, {0, 1, 0}, angle);
   if (name == "twist")
-    return turned(p, middle, {0, 1, 0}, angle * height);
+    return rotated(p, middle, {0, 1, 0}, angle * height);
   if (name == "bend")
-    return turned(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
+    return rotated(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
   /* Legs swing about the hip, along the longer horizontal axis. */
   const bool isLong = size.x > size.z;
   const float side = isLong ? (p.z - middle.z) / size.z : (p.x - middle.x) / size.x; // -0.5 to 0.5
   const float below = std::clamp((0.5f - height) / 0.3f, 0.0f, 1.0f);
   const float swing = below * below * (3 - 2 * below) * std::clamp(6 * side, -1.0f, 1.0f);
   const Vec3f hip{middle.x, bounds.lower.y + 0.5f * size.y, middle.z};
-  return turned(p, hip, isLong ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}, angle * swing);
+  return rotated(p, hip, isLong ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}, angle * swing);
 }
 
 } // namespace

@@ -21,8 +21,8 @@ struct Chart
   int height() const { return y1 - y0 + 1; }
 };
 
-/* Grows charts breadth first. A face is added if its cell is free and the chart uses every lattice point of the cell
- * for the same vertex or not yet. So charts do not overlap, and adjacent texels are adjacent on the surface. */
+/* Grows charts breadth first. A face is added if its cell is free, and each corner of the cell is unused or already the
+ * same vertex. So charts do not overlap, and adjacent texels are adjacent on the surface. */
 class Unfolding
 {
 public:
@@ -108,7 +108,7 @@ private:
 
 } // namespace
 
-Charts unfoldCharts(const Cage& cage, int texels, int rim)
+Charts unfoldCharts(const Cage& cage, int texels, int padding)
 {
   Unfolding unfolding(cage);
   std::vector<Chart> pieces = unfolding.run();
@@ -123,12 +123,12 @@ Charts unfoldCharts(const Cage& cage, int texels, int rim)
   });
   double area = 0;
   for (const Chart& c : pieces)
-    area += double(c.width() * texels + 2 * rim) * double(c.height() * texels + 2 * rim);
-  charts.width = std::max(int(std::sqrt(area)), largestChart * texels + 2 * rim);
+    area += double(c.width() * texels + 2 * padding) * double(c.height() * texels + 2 * padding);
+  charts.width = std::max(int(std::sqrt(area)), largestChart * texels + 2 * padding);
   int x = 0, y = 0, shelf = 0;
   for (const Chart& c : pieces)
   {
-    const int w = c.width() * texels + 2 * rim, h = c.height() * texels + 2 * rim;
+    const int w = c.width() * texels + 2 * padding, h = c.height() * texels + 2 * padding;
     if (x + w > charts.width)
     {
       x = 0;
@@ -138,8 +138,8 @@ Charts unfoldCharts(const Cage& cage, int texels, int rim)
     for (unsigned face : c.faces)
     {
       ChartCell& cell = charts.cells[face];
-      cell.x = x + rim + (cell.x - c.x0) * texels;
-      cell.y = y + rim + (cell.y - c.y0) * texels;
+      cell.x = x + padding + (cell.x - c.x0) * texels;
+      cell.y = y + padding + (cell.y - c.y0) * texels;
     }
     x += w;
     shelf = std::max(shelf, h);

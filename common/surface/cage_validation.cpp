@@ -25,13 +25,13 @@ constexpr int maxVertexFaces = 64;
 /* Thread-local, because OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
 
-void keepReport(Far::ErrorType, const char* message)
+void recordError(Far::ErrorType, const char* message)
 {
   if (lastReport.empty())
     lastReport = message;
 }
 
-void keepWarning(const char* message)
+void recordWarning(const char* message)
 {
   if (lastReport.empty())
     lastReport = message;
@@ -72,8 +72,8 @@ void checkFaces(const Cage& cage)
 std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
 {
   lastReport.clear();
-  Far::SetErrorCallback(keepReport);
-  Far::SetWarningCallback(keepWarning);
+  Far::SetErrorCallback(recordError);
+  Far::SetWarningCallback(recordWarning);
   std::unique_ptr<Far::TopologyRefiner> refiner = makeTopologyRefiner(cage, true);
   Far::SetErrorCallback(nullptr);
   Far::SetWarningCallback(nullptr);
@@ -121,7 +121,7 @@ void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::stri
 
 void warnOfCreases(const Cage& cage, std::string& warnings)
 {
-  const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
+  const std::vector<unsigned> vertices = findVerticesWithDifferentCreaseRules(cage);
   if (!vertices.empty())
     warnings += cage.name + ": creases meet at " + counted(vertices.size(), "vertex", "vertices") + ", " +
                 (vertices.size() == 1 ? "" : "for example ") + std::to_string(vertices.front() + 1) +

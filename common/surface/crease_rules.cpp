@@ -39,7 +39,7 @@ bool differs(std::vector<float> sharpness, float corner, CreaseRule rule)
 
 } // namespace
 
-std::vector<unsigned> findVerticesWithOtherCreaseRules(const Cage& cage)
+std::vector<unsigned> findVerticesWithDifferentCreaseRules(const Cage& cage)
 {
   const auto edge = [](unsigned a, unsigned b) { return std::make_pair(std::min(a, b), std::max(a, b)); };
   if (cage.creaseEdges.empty())

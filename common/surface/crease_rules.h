@@ -20,6 +20,6 @@ namespace cbvh {
 
 /* The cage must be valid. Under Chaikin's rule, includes every vertex at which three or more creases of different
  * sharpness meet. */
-std::vector<unsigned> findVerticesWithOtherCreaseRules(const Cage& cage);
+std::vector<unsigned> findVerticesWithDifferentCreaseRules(const Cage& cage);
 
 } // namespace cbvh

@@ -26,7 +26,7 @@ public:
     {
       const FacePoint p{points.face, points.u[i], points.v[i]};
       float h = height(p, points.levelAt(i));
-      const FaceBorders::Place at = borders.place(p);
+      const FaceBorders::BorderPosition at = borders.borderPosition(p);
       if (at.edge >= 0 && map->isSeam(p.face, at))
         h = borders.mean(p.face, at, h, [&](const FacePoint& q) { return height(q, points.levelAt(i)); });
       out[i] = scale * (h - midLevel);

@@ -43,7 +43,7 @@ FaceBorders::FaceBorders(const Cage& cage)
 
 FaceBorders::Side FaceBorders::opposite(unsigned face, unsigned edge) const
 {
-  const Sides all = along(face, edge);
+  const Sides all = sidesOfEdge(face, edge);
   if (all.size() != 2)
     return {};
   const Side& other = all.begin()->face == face && all.begin()->edge == edge ? *(all.end() - 1) : *all.begin();
@@ -52,7 +52,7 @@ FaceBorders::Side FaceBorders::opposite(unsigned face, unsigned edge) const
 
 /* Edges 0 to 3 of a quad are v = 0, u = 1, v = 1, u = 0. Corner quads of n-gons have half of an edge each at v = 0
  * and, of the previous edge, at u = 0. */
-FaceBorders::Place FaceBorders::place(const FacePoint& p) const
+FaceBorders::BorderPosition FaceBorders::borderPosition(const FacePoint& p) const
 {
   float u = p.u, v = p.v;
   if (sizes[p.face] == 4)

@@ -19,14 +19,14 @@ public:
   explicit FaceBorders(const Cage& cage);
 
   /* Position t in [0,1] on the edge from corner `edge` to the next; `edge` is -1 inside the face. */
-  struct Place
+  struct BorderPosition
   {
     int edge = -1;
     float t = 0;
   };
-  Place place(const FacePoint& p) const;
+  BorderPosition borderPosition(const FacePoint& p) const;
 
-  /* t = 0 is the corner. */
+  /* Inverse. */
   FacePoint point(unsigned face, unsigned edge, float t) const;
 
   struct Side
@@ -43,7 +43,7 @@ public:
     const Side* end() const { return last; }
     size_t size() const { return size_t(last - first); }
   };
-  Sides along(unsigned face, unsigned edge) const
+  Sides sidesOfEdge(unsigned face, unsigned edge) const
   {
     const unsigned e = edgeOf[firstCorner[face] + edge];
     return {&sides[firstSide[e]], &sides[firstSide[e]] + (firstSide[e + 1] - firstSide[e])};
@@ -53,7 +53,7 @@ public:
   Side opposite(unsigned face, unsigned edge) const;
 
   /* All corners at a vertex. */
-  const std::vector<Side>& around(unsigned face, unsigned corner) const
+  const std::vector<Side>& cornersAtVertex(unsigned face, unsigned corner) const
   {
     return corners[vertexOf[firstCorner[face] + corner]];
   }
@@ -61,18 +61,18 @@ public:
   /* Mean of value(FacePoint) over all sides of a point, equal to the bit on all sides. `own` is the calling side's
    * value. */
   template<typename T, typename Value>
-  T mean(unsigned face, Place at, T own, const Value& value) const
+  T mean(unsigned face, BorderPosition at, T own, const Value& value) const
   {
     const unsigned edge = unsigned(at.edge);
     T sum{};
     if (at.t == 0.0f || at.t == 1.0f)
     {
-      const std::vector<Side>& all = around(face, (edge + (at.t == 1.0f)) % sizes[face]);
+      const std::vector<Side>& all = cornersAtVertex(face, (edge + (at.t == 1.0f)) % sizes[face]);
       for (const Side& s : all)
         sum += value(point(s.face, s.edge, 0.0f));
       return sum * (1.0f / float(all.size()));
     }
-    const Sides all = along(face, edge);
+    const Sides all = sidesOfEdge(face, edge);
     if (all.size() == 1)
       return own;
     const bool reversed = isReversed(face, edge);

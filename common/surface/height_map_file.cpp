@@ -173,7 +173,7 @@ HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
-  input->setReading({0, 1, NAN}); // a missing height is an error
+  input->setChannelRange({0, 1, NAN}); // a missing height is an error
   Texels texels = readImage(*input, 0, 0, 1, path);
   HeightMap map;
   map.w = texels.width;
@@ -193,7 +193,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
       continue;
     info.numbers.push_back(number);
     const int first = findChannel(input->spec(), channel, count, path);
-    input->setReading({first, count, neutral});
+    input->setChannelRange({first, count, neutral});
     const Texels texels = readImage(*input, number, first, count, path);
     info.isPlain &= input->isPlain();
     if (info.images++ > 0)
@@ -202,8 +202,8 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
     info.channels = input->spec().nchannels;
     info.constantBorder = texels.hasConstantBorder();
   }
-  if (!input->refusal().empty())
-    throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
+  if (!input->rejection().empty())
+    throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->rejection());
   if (info.images == 0)
     throw unreadable(path, "it contains only smaller copies or masks: expected at least one other image");
   info.missing = input->numMissing();

@@ -58,7 +58,7 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
 }
 
 /* Reason not to read the image, or empty. */
-std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
+std::string rejectionOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
 {
   if (spec.deep)
     return "it is a deep image: expected one value per texel and channel";
@@ -103,22 +103,22 @@ void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std:
 
 } // namespace
 
-OIIO::ImageSpec MapImage::configuration(const MapReading& reading)
+OIIO::ImageSpec MapImage::configuration(const ChannelRange& range)
 {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1); // keep colors unmultiplied
-  config.attribute(firstAttribute, reading.first);
-  config.attribute(countAttribute, reading.count);
-  config.attribute(neutralAttribute, reading.neutral);
+  config.attribute(firstAttribute, range.first);
+  config.attribute(countAttribute, range.count);
+  config.attribute(neutralAttribute, range.neutral);
   return config;
 }
 
 bool MapImage::open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config)
 {
   close();
-  reading.first = config.get_int_attribute(firstAttribute, reading.first);
-  reading.count = config.get_int_attribute(countAttribute, reading.count);
-  reading.neutral = config.get_float_attribute(neutralAttribute, reading.neutral);
+  range.first = config.get_int_attribute(firstAttribute, range.first);
+  range.count = config.get_int_attribute(countAttribute, range.count);
+  range.neutral = config.get_float_attribute(neutralAttribute, range.neutral);
   source = OIIO::ImageInput::open(path, &config);
   if (!source)
   {
@@ -138,7 +138,7 @@ bool MapImage::close()
 {
   source.reset();
   nodataTexts.clear();
-  refused.clear();
+  rejectionText.clear();
   image = -1;
   return true;
 }
@@ -149,7 +149,7 @@ bool MapImage::seek_subimage(int subimage, int miplevel)
   if (!source || miplevel != 0)
     return false;
   if (subimage == image)
-    return refused.empty();
+    return rejectionText.empty();
   if (!source->seek_subimage(subimage, 0))
   {
     source->geterror(); // clears "no more images"
@@ -167,10 +167,10 @@ bool MapImage::describe()
   copyOrMask = (from.get_int_attribute("tiff:subfiletype", 0) & (ReducedResolution | Mask)) != 0;
   isFloating = from.format.is_floating_point();
   isInverted = photometric == WhiteIsZero && from.format != OIIO::TypeDesc::UINT8;
-  refused = refusalOf(from, format, isInverted);
-  if (!refused.empty())
+  rejectionText = rejectionOf(from, format, isInverted);
+  if (!rejectionText.empty())
   {
-    errorfmt("{}", refused);
+    errorfmt("{}", rejectionText);
     return false;
   }
   window = displayWindow(from, format);
@@ -214,7 +214,7 @@ bool MapImage::read_native_scanlines(int subimage, int miplevel, int yBegin, int
     return false;
   float* const out = static_cast<float*>(data);
   const size_t channels = size_t(m_spec.nchannels), rowFloats = size_t(m_spec.width) * channels;
-  std::fill(out, out + rowFloats * size_t(yEnd - yBegin), reading.neutral);
+  std::fill(out, out + rowFloats * size_t(yEnd - yBegin), range.neutral);
   const OIIO::ROI from = source->spec().roi();
   const int top = std::max(yBegin + window.ybegin, from.ybegin), bottom = std::min(yEnd + window.ybegin, from.yend);
   const int left = std::max(window.xbegin, from.xbegin), right = std::min(window.xend, from.xend);
@@ -275,8 +275,8 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
 /* In texels where one channel is missing, replaces all channels. */
 void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
 {
-  const size_t channels = size_t(m_spec.nchannels), first = size_t(reading.first);
-  const size_t last = std::min(first + size_t(reading.count), channels);
+  const size_t channels = size_t(m_spec.nchannels), first = size_t(range.first);
+  const size_t last = std::min(first + size_t(range.count), channels);
   for (size_t i = 0; i < rows.size(); i += channels)
   {
     bool isMissingTexel = false;
@@ -285,7 +285,7 @@ void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>&
     if (!isMissingTexel)
       continue;
     missing++;
-    std::fill(rows.begin() + ptrdiff_t(i + first), rows.begin() + ptrdiff_t(i + last), reading.neutral);
+    std::fill(rows.begin() + ptrdiff_t(i + first), rows.begin() + ptrdiff_t(i + last), range.neutral);
   }
 }
 

@@ -5,7 +5,7 @@
 
 /* A map as the texture system expects it: images of floats that fill their display windows.
  *
- * OpenImageIO 2.4 reads the files. This class corrects what its readers or texture system do not handle:
+ * Corrects what OpenImageIO's readers or texture system (2.4) do not handle:
  * - Integers other than uint8 and uint16, and doubles, become floats, because the texture system asserts on them. As
  *   in OpenImageIO, unsigned integers become 0..1 and signed integers -1..1.
  * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
@@ -22,7 +22,8 @@
 
 namespace cbvh {
 
-struct MapReading
+/* Channels to read. */
+struct ChannelRange
 {
   int first = 0;
   int count = 0;
@@ -32,10 +33,10 @@ struct MapReading
 class MapImage final : public OIIO::ImageInput
 {
 public:
-  /* Passes `reading` to open(). */
-  static OIIO::ImageSpec configuration(const MapReading& reading);
+  /* Passes `range` to open(). */
+  static OIIO::ImageSpec configuration(const ChannelRange& range);
 
-  void setReading(const MapReading& r) { reading = r; }
+  void setChannelRange(const ChannelRange& r) { range = r; }
 
   /* True if the texture system can read the current image itself, unless texels are missing. */
   bool isPlain() const { return plain; }
@@ -45,7 +46,7 @@ public:
   size_t numMissing() const { return missing; }
 
   /* Reason not to read the current image, or empty. */
-  const std::string& refusal() const { return refused; }
+  const std::string& rejection() const { return rejectionText; }
 
   const char* format_name() const override { return "map"; }
   bool open(const std::string& path, OIIO::ImageSpec& spec) override { return open(path, spec, OIIO::ImageSpec()); }
@@ -67,8 +68,8 @@ private:
 
   std::unique_ptr<OIIO::ImageInput> source;
   std::vector<std::string> nodataTexts; // per page of a TIFF
-  MapReading reading;
-  std::string refused;
+  ChannelRange range;
+  std::string rejectionText;
   size_t missing = 0;
 
   int image = -1;

@@ -33,12 +33,11 @@ PatchWalk::PatchWalk(const Cage& cage, const std::function<bool(unsigned)>& hasS
     exists.push_back(hasSurface(face));
 }
 
-PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
+PatchPoint PatchWalk::advance(PatchPoint p, double du, double dv) const
 {
-  /* Near a corner a line may cross many borders; the rest of the step is dropped. More than the faces around a
-   * vertex. */
-  constexpr int mostBorders = 80;
-  for (int i = 0; i < mostBorders; i++)
+  /* Exceeds the number of faces around a vertex. Near a corner a line may cross more borders: the rest is dropped. */
+  constexpr int maxCrossings = 80;
+  for (int i = 0; i < maxCrossings; i++)
   {
     const double s = partInside(p.u, du), t = partInside(p.v, dv), part = std::min(s, t);
     p.u = std::min(std::max(p.u + part * du, 0.0), 1.0);
@@ -52,7 +51,7 @@ PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
     const double tangent = du * along[edge][0] + dv * along[edge][1];
     const double inward = du * along[edge + 1][0] + dv * along[edge + 1][1];
     Crossing next;
-    if (!cross(p.face, p.subPatch, edge, where[edge], next))
+    if (!crossEdge(p.face, p.subPatch, edge, where[edge], next))
     {
       du = tangent * along[edge][0];
       dv = tangent * along[edge][1];
@@ -71,7 +70,7 @@ PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
 
 /* Corner quad i of an n-gon: edge 0 is the first half of edge i, edge 3 the second half of the edge before corner i,
  * edge 1 is edge 2 of the next corner quad. */
-bool PatchWalk::cross(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& out) const
+bool PatchWalk::crossEdge(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& out) const
 {
   const unsigned n = borders.size(face);
   out.scale = 1.0;

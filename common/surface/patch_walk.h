@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Moves points over borders of patches, and converts parameters. */
+
 #include "surface/face_borders.h"
 
 #include <functional>
@@ -17,7 +19,7 @@ public:
 
   /* Moves a point by (du,dv) in parameters of its patch. At a border both patches lie side by side in a plane;
    * parameters double or halve between a quad face and a corner quad. Slides along boundaries. */
-  PatchPoint go(PatchPoint from, double du, double dv) const;
+  PatchPoint advance(PatchPoint from, double du, double dv) const;
 
   PatchPoint fromEmbree(const FacePoint& p) const;
   FacePoint toEmbree(const PatchPoint& p) const;
@@ -29,7 +31,7 @@ private:
     double t;     // along the edge, counterclockwise
     double scale; // of parameters
   };
-  bool cross(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& crossing) const;
+  bool crossEdge(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& crossing) const;
 
   FaceBorders borders;
   std::vector<char> exists;

@@ -79,7 +79,7 @@ public:
     return std::hypot(size.x * d.x, size.y * d.y);
   }
 
-  bool isSeam(unsigned face, FaceBorders::Place at) const override
+  bool isSeam(unsigned face, FaceBorders::BorderPosition at) const override
   {
     const unsigned edge = unsigned(at.edge);
     if (at.t == 0.0f)
@@ -135,9 +135,9 @@ private:
       for (unsigned i = 0, n = faceBorders.size(face); i < n; i++)
       {
         const size_t c = faceBorders.corner(face, i);
-        for (const FaceBorders::Side& s : faceBorders.around(face, i))
+        for (const FaceBorders::Side& s : faceBorders.cornersAtVertex(face, i))
           cornerDiffers[c] |= !same(face, c, s.face, faceBorders.corner(s.face, s.edge));
-        for (const FaceBorders::Side& s : faceBorders.along(face, i))
+        for (const FaceBorders::Side& s : faceBorders.sidesOfEdge(face, i))
         {
           size_t first = faceBorders.corner(s.face, s.edge);
           size_t last = faceBorders.corner(s.face, (s.edge + 1) % faceBorders.size(s.face));
@@ -199,7 +199,7 @@ public:
     return n != 4 ? 2.0f * std::max(texels.x, texels.y) : edge % 2 == 0 ? texels.x : texels.y;
   }
 
-  bool isSeam(unsigned, FaceBorders::Place) const override { return true; }
+  bool isSeam(unsigned, FaceBorders::BorderPosition) const override { return true; }
 
 private:
   static bool isRepeated(const DisplacementMap& map) { return map.repeat.x != 1.0f || map.repeat.y != 1.0f; }

@@ -9,8 +9,7 @@
 namespace cbvh {
 namespace {
 
-/* Step for finite differences in parameters: less than a texel in all scenes, and not smaller, because heights are
- * floats. */
+/* Step of finite differences in parameters: below a texel in all scenes, and large for the precision of floats. */
 constexpr double difference = 0x1p-12;
 
 /* Heights are read inside a patch, because displacements return the mean of the sides on the border. Exceeds the
@@ -28,10 +27,10 @@ struct Step
 {
   double u, v;
 
-  Step shortened(double most) const
+  Step clamped(double maxLength) const
   {
     const double size = std::hypot(u, v);
-    return size > most ? Step{u * (most / size), v * (most / size)} : *this;
+    return size > maxLength ? Step{u * (maxLength / size), v * (maxLength / size)} : *this;
   }
 };
 
@@ -151,11 +150,11 @@ Vec3d TrueSurface::position(const PatchPoint& p) const
 /* Gauss-Newton with Levenberg-Marquardt damping: a step is accepted only if it reduces the distance. */
 TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) const
 {
-  constexpr int mostSteps = 100;
-  constexpr double firstDamping = 1e-3, mostDamping = 1e6;
+  constexpr int maxSteps = 100;
+  constexpr double firstDamping = 1e-3, maxDamping = 1e6;
   TruePoint best = start;
   double damping = 0.0;
-  for (int i = 0; i < mostSteps && damping < mostDamping; i++)
+  for (int i = 0; i < maxSteps && damping < maxDamping; i++)
   {
     const Vec3d r = best.position - x;
     const double gu = dot(best.du, r), gv = dot(best.dv, r);
@@ -164,13 +163,13 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
     if (!(determinant > 0.0))
       break;
     const Step full{(b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant};
-    const Step step = full.shortened(longestStep * cell);
+    const Step step = full.clamped(longestStep * cell);
     /* An error of s in the foot point makes an error of s^2 / 2d in the distance d. If the radius of curvature is
      * close to d, many short steps remain. */
     const double moved = length(best.du * step.u + best.dv * step.v);
     if (moved <= 1e-6 * length(r) + 1e-7 * cell * length(best.du))
       break;
-    const TruePoint next = evaluate(walk.go(best.at, step.u, step.v));
+    const TruePoint next = evaluate(walk.advance(best.at, step.u, step.v));
     if (length(next.position - x) < length(r))
     {
       best = next;
@@ -229,7 +228,7 @@ std::vector<PatchPoint> TrueSurface::localMinima(const Window& window, Vec3d x) 
   for (int j = -window.nv; j <= window.nv; j++)
     for (int i = -window.nu; i <= window.nu; i++)
     {
-      const PatchPoint at = walk.go(window.middle, window.width * i / window.nu, window.height * j / window.nv);
+      const PatchPoint at = walk.advance(window.middle, window.width * i / window.nu, window.height * j / window.nv);
       samples.push_back({at, length(position(at) - x)});
     }
   const auto isLowest = [&](int i, int j) {
@@ -254,14 +253,14 @@ std::vector<PatchPoint> TrueSurface::localMinima(const Window& window, Vec3d x) 
 
 TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) const
 {
-  constexpr size_t mostDescents = 4;
+  constexpr size_t maxDescents = 4;
   TruePoint best = descend(x, evaluate(start), cell);
   const auto distance = [&] { return length(best.position - x); };
   const std::optional<Window> window = nearerWindow(best, distance(), cell);
   if (!window)
     return best;
   const std::vector<PatchPoint> starts = localMinima(*window, x);
-  for (size_t i = 0; i < std::min(starts.size(), mostDescents); i++)
+  for (size_t i = 0; i < std::min(starts.size(), maxDescents); i++)
   {
     const TruePoint foot = descend(x, evaluate(starts[i]), cell);
     if (length(foot.position - x) < distance())
@@ -274,16 +273,16 @@ TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) co
 std::optional<TruePoint> TrueSurface::crossing(Vec3d origin, Vec3d direction, const TruePoint& start, double cell,
                                                double tolerance) const
 {
-  constexpr int mostSteps = 40, mostHalvings = 12;
+  constexpr int maxSteps = 40, maxHalvings = 12;
   const Vec3d axis = std::abs(direction.x) < 0.6 * length(direction) ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d e0 = normalize(cross(direction, axis)), e1 = normalize(cross(direction, e0));
-  const auto off = [&](const TruePoint& p) {
+  const auto distanceToLine = [&](const TruePoint& p) {
     return std::hypot(dot(e0, p.position - origin), dot(e1, p.position - origin));
   };
   TruePoint p = start;
-  for (int i = 0; i < mostSteps; i++)
+  for (int i = 0; i < maxSteps; i++)
   {
-    const double distance = off(p);
+    const double distance = distanceToLine(p);
     if (distance <= tolerance)
       return p;
     const double f0 = dot(e0, p.position - origin), f1 = dot(e1, p.position - origin);
@@ -291,15 +290,15 @@ std::optional<TruePoint> TrueSurface::crossing(Vec3d origin, Vec3d direction, co
     const double determinant = a * d - b * c;
     if (determinant == 0.0)
       return {};
-    Step step = Step{(b * f1 - d * f0) / determinant, (c * f0 - a * f1) / determinant}.shortened(longestStep * cell);
+    Step step = Step{(b * f1 - d * f0) / determinant, (c * f0 - a * f1) / determinant}.clamped(longestStep * cell);
     TruePoint next;
     int halvings = 0;
     do
     {
-      next = evaluate(walk.go(p.at, step.u, step.v));
+      next = evaluate(walk.advance(p.at, step.u, step.v));
       step = {0.5 * step.u, 0.5 * step.v};
-    } while (off(next) >= distance && ++halvings < mostHalvings);
-    if (halvings == mostHalvings)
+    } while (distanceToLine(next) >= distance && ++halvings < maxHalvings);
+    if (halvings == maxHalvings)
       return {};
     p = next;
   }

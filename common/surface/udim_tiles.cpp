@@ -60,11 +60,11 @@ std::vector<FaceExtent> extentsOf(const Cage& cage)
       upper = {std::max(upper.x, uv.x), std::max(upper.y, uv.y)};
     }
     const Vec2f middle = sum * (1.0f / float(size));
-    constexpr float rim = 1e-4f; // in tiles, for rounded coordinates
+    constexpr float tolerance = 1e-4f; // in tiles, for rounded coordinates
     FaceExtent extent;
     extent.tile = {std::floor(middle.x), std::floor(middle.y)};
-    extent.isWithin = lower.x >= extent.tile.x - rim && lower.y >= extent.tile.y - rim &&
-                      upper.x <= extent.tile.x + 1.0f + rim && upper.y <= extent.tile.y + 1.0f + rim;
+    extent.isWithin = lower.x >= extent.tile.x - tolerance && lower.y >= extent.tile.y - tolerance &&
+                      upper.x <= extent.tile.x + 1.0f + tolerance && upper.y <= extent.tile.y + 1.0f + tolerance;
     extents.push_back(extent);
   }
   return extents;
@@ -84,8 +84,8 @@ std::string pathOfTile(std::string path, int number)
 
 int numberOf(Vec2f tile)
 {
-  constexpr float mostRows = 900; // numbers have four digits
-  if (!(tile.x >= 0.0f && tile.x < columns && tile.y >= 0.0f && tile.y < mostRows))
+  constexpr float maxRows = 900; // numbers have four digits
+  if (!(tile.x >= 0.0f && tile.x < columns && tile.y >= 0.0f && tile.y < maxRows))
     return 0;
   return 1001 + int(tile.x) + columns * int(tile.y);
 }
@@ -122,12 +122,12 @@ bool isUdimPath(const std::string& path)
                      [&](const Placeholder& p) { return path.find(p.spelling) != std::string::npos; });
 }
 
-void noteMapFiles(const Cage& cage, const std::string& path)
+void recordMapFiles(const Cage& cage, const std::string& path)
 {
   std::string ignored;
   const bool isUdim = isUdimPath(path);
   for (const std::string& file : isUdim ? UdimTiles::find(cage, path, ignored).paths : std::vector<std::string>{path})
-    noteInputFile(file);
+    recordInputFile(file);
 }
 
 UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string& warnings)

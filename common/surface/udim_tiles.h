@@ -17,8 +17,8 @@ namespace cbvh {
 
 bool isUdimPath(const std::string& path);
 
-/* Records inputs of the run, see basics/input_files.h. */
-void noteMapFiles(const Cage& cage, const std::string& path);
+/* Calls recordInputFile for each file. */
+void recordMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles
 {

@@ -196,7 +196,7 @@ std::string evidenceInShape(const Cage& cage)
 
 /* --- rotation ---------------------------------------------------------------------------- */
 
-Vec3f turned(Vec3f v, const std::string& up)
+Vec3f rotated(Vec3f v, const std::string& up)
 {
   if (up == "x")
     return {v.y, -v.x, v.z};
@@ -232,18 +232,18 @@ UpGuess guessUp(const Cage& cage)
   return evidence.empty() ? UpGuess{} : UpGuess{"z", evidence};
 }
 
-ViewHints turnedFromY(ViewHints hints, const std::string& up)
+ViewHints rotatedFromY(ViewHints hints, const std::string& up)
 {
-  hints.direction = turned(hints.direction, up);
-  hints.up = turned(hints.up, up);
+  hints.direction = rotated(hints.direction, up);
+  hints.up = rotated(hints.up, up);
   return hints;
 }
 
 /* The inverse of a quarter turn is the opposite one; a half turn is its own inverse. */
-ViewHints turnedToY(ViewHints hints, const std::string& up)
+ViewHints rotatedToY(ViewHints hints, const std::string& up)
 {
   const bool isQuarter = up.back() != 'y';
-  return turnedFromY(hints, isQuarter ? (up[0] == '-' ? up.substr(1) : "-" + up) : up);
+  return rotatedFromY(hints, isQuarter ? (up[0] == '-' ? up.substr(1) : "-" + up) : up);
 }
 
 } // namespace cbvh

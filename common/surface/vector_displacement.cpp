@@ -86,7 +86,7 @@ public:
       const FacePoint p{points.face, points.u[i], points.v[i]};
       const auto vectorAt = [&](const FacePoint& q) { return vector(q, points.levelAt(i), normals[i]); };
       out[i] = vectorAt(p);
-      const FaceBorders::Place at = borders.place(p);
+      const FaceBorders::BorderPosition at = borders.borderPosition(p);
       if (at.edge >= 0)
         out[i] = borders.mean(p.face, at, out[i], vectorAt);
     }

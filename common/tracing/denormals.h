@@ -11,14 +11,14 @@
 
 namespace cbvh {
 
-/* Acts during its lifetime, on the thread that constructs it. */
-class Denormals
+/* Sets the mode of the thread that constructs it, until destruction. */
+class DenormalMode
 {
 public:
-  explicit Denormals(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
-  ~Denormals() { setControl(saved); }
-  Denormals(const Denormals&) = delete;
-  Denormals& operator=(const Denormals&) = delete;
+  explicit DenormalMode(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
+  ~DenormalMode() { setControl(saved); }
+  DenormalMode(const DenormalMode&) = delete;
+  DenormalMode& operator=(const DenormalMode&) = delete;
 
 private:
 #if defined(__x86_64__)
@@ -41,10 +41,10 @@ private:
   const Control saved;
 };
 
-/* As Embree's manual asks for tracing. */
-struct FastDenormals : Denormals
+/* Embree's manual recommends this for tracing. */
+struct FlushDenormals : DenormalMode
 {
-  FastDenormals() : Denormals(true) {}
+  FlushDenormals() : DenormalMode(true) {}
 };
 
 } // namespace cbvh

@@ -17,7 +17,7 @@ size_t chunkOf(const TracedScene& scene) { return scene.vulkan() ? vulkanChunk :
 
 void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits)
 {
-  const FastDenormals denormals;
+  const FlushDenormals denormals;
   std::vector<RTCRayHit> batch(n);
   for (size_t i = 0; i < n; i++)
     load(rays[i], batch[i]);
@@ -40,7 +40,7 @@ size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>
 {
   std::atomic<size_t> count{0};
   parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     std::vector<RTCRay> batch(end - begin);
     for (size_t i = begin; i < end; i++)
       load(rays[i], batch[i - begin]);

@@ -82,7 +82,7 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
   std::atomic<unsigned> waiting{0};
   std::atomic<bool> go{false};
   const auto work = [&] {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     RTCIntersectContext context = traceContext(settings.coherent);
     size_t count = 0;
     for (size_t i; !cancelRequested() && (i = next++) < chunks * settings.passes;)

@@ -158,7 +158,7 @@ Cage creasedQuads(const std::vector<float>& sharpness)
 TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
 {
   const auto isNamed = [](const Cage& cage) {
-    const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
+    const std::vector<unsigned> vertices = findVerticesWithDifferentCreaseRules(cage);
     return std::find(vertices.begin(), vertices.end(), 4u) != vertices.end();
   };
   EXPECT_FALSE(isNamed(creasedQuads({1.5f})));
@@ -168,7 +168,7 @@ TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
   EXPECT_TRUE(isNamed(creasedQuads({0.1f, 5.0f, 5.0f})));
   EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "two of them remain";
   const Cage uneven = creasedQuads({0.1f, 5.0f, 5.0f});
-  const std::string vertex = std::to_string(findVerticesWithOtherCreaseRules(uneven).front() + 1);
+  const std::string vertex = std::to_string(findVerticesWithDifferentCreaseRules(uneven).front() + 1);
   EXPECT_TRUE(containsInOrder(checked(uneven).warnings, {"creases meet at ", " " + vertex + ",", "rule"}));
   Cage cornered = creasedQuads({2.0f, 2.0f});
   cornered.cornerVertices = {4};

@@ -256,9 +256,9 @@ TEST_F(FileOutput, InputsAreNotReplaced)
   writeTextFile(at("other.png"), "");
   fs::create_symlink("skin.png", folder / "link.png");
   fs::create_hard_link(folder / "skin.png", folder / "same.png");
-  noteInputFile(at("skin.png"));
-  noteInputFile(at("missing.png"));
-  noteInputFile("/dev/null");
+  recordInputFile(at("skin.png"));
+  recordInputFile(at("missing.png"));
+  recordInputFile("/dev/null");
   for (const char* name : {"skin.png", "link.png", "same.png", "./skin.png"})
   {
     expectError([&] { requireNoInputFile(at(name)); }, "would replace");

@@ -26,7 +26,7 @@ TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces)
     const PatchPoint p{(2 + random.below(4)) * n + 2 + random.below(4), 0, random.uniform(), random.uniform()};
     const TruePoint from = surface.evaluate(p);
     const double u = random.uniform(-1, 1), v = random.uniform(-1, 1);
-    const TruePoint to = surface.evaluate(surface.patches().go(p, u, v));
+    const TruePoint to = surface.evaluate(surface.patches().advance(p, u, v));
     EXPECT_NEAR(length(from.position + u * from.du + v * from.dv - to.position), 0, 1e-9);
   }
 }
@@ -51,7 +51,7 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
       constexpr double least = 1e-9;
       const double side = random.uniform(-0.1, 0.1);
       across = border;
-      const PatchPoint q = surface.patches().go(p, edge % 2 ? outward * least : side,
+      const PatchPoint q = surface.patches().advance(p, edge % 2 ? outward * least : side,
                                                 edge % 2 ? side : outward * least);
       along += side;
       EXPECT_LT(length(surface.evaluate(p).position - surface.evaluate(q).position), 1e-7)
@@ -60,7 +60,8 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
       /* The distance beyond the border is the same on the other side. */
       along -= side;
       const double depth = random.uniform(0.01, 0.2);
-      const PatchPoint far = surface.patches().go(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
+      const PatchPoint far =
+        surface.patches().advance(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
       if (far.face == p.face && far.subPatch == p.subPatch)
         continue; // a boundary of the cage
       const unsigned here = cage.faceSizes[p.face], there = cage.faceSizes[far.face];

@@ -48,7 +48,7 @@ TEST(CancelDeathTest, SignalEndsLoops)
 void hang(const std::string& path)
 {
   installCancelHandler();
-  endSoonAfterCancel("test");
+  forceExitAfterCancel("test");
   PendingFile file(path);
   std::ofstream(file.temporary()) << "half of a";
   std::raise(SIGINT);

@@ -6,7 +6,7 @@
 #include "basics/error.h"
 #include "building/built_scene.h"
 #include "scenes/cube.h"
-#include "tracing/kept_hits.h"
+#include "tracing/hit_records.h"
 #include "tracing/trace_hits.h"
 #include "tracing/trace_timing.h"
 
@@ -41,9 +41,9 @@ TEST(KeptHits, EveryQueryModeMatchesSingleRays)
   for (TraceMode mode : allModes)
     for (Query query : {Closest, Any})
     {
-      const std::vector<KeptHit> kept = keepHits(cube.scene, cube.rays, {query, mode, true, 3, 1});
+      const std::vector<HitRecord> kept = recordHits(cube.scene, cube.rays, {query, mode, true, 3, 1});
       ASSERT_EQ(kept.size(), cube.rays.size());
-      EXPECT_EQ(compareKeptHits(kept, keepHits(cube.scene, cube.rays, {query, mode, true, 1, 1})).all(), 0u)
+      EXPECT_EQ(compareHitRecords(kept, recordHits(cube.scene, cube.rays, {query, mode, true, 1, 1})).all(), 0u)
         << "with one thread";
       size_t others = 0; // packets may round differently for grazing rays
       for (size_t i = 0; i < cube.rays.size(); i++)
@@ -60,18 +60,18 @@ TEST(KeptHits, EveryQueryModeMatchesSingleRays)
 
 TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
 {
-  KeptHit hit;
+  HitRecord hit;
   hit.hit = true;
   hit.t = 2;
-  const std::vector<KeptHit> all(6, hit);
-  std::vector<KeptHit> others = all;
+  const std::vector<HitRecord> all(6, hit);
+  std::vector<HitRecord> others = all;
   others[0].hit = false;
   others[1].primitive = 7;
   others[1].t = 3;
   others[2].t = std::nextafter(2.0f, 3.0f);
   others[3].normal.z = 1;
   others[4].u = -0.0f; // equal
-  const HitDifferences found = compareKeptHits(all, others);
+  const HitDifferences found = compareHitRecords(all, others);
   EXPECT_EQ(found.rays, 6u);
   EXPECT_EQ(found.hits, 1u);
   EXPECT_EQ(found.ids, 1u);
@@ -82,10 +82,10 @@ TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
 
 TEST(KeptHits, NaNEqualsNaN)
 {
-  KeptHit hit;
+  HitRecord hit;
   hit.hit = true;
   hit.normal.x = NAN;
-  EXPECT_EQ(compareKeptHits({hit}, {hit}).all(), 0u);
+  EXPECT_EQ(compareHitRecords({hit}, {hit}).all(), 0u);
 }
 
 TEST(TraceTiming, EveryModeFindsTheSameHits)

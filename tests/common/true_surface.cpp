@@ -130,7 +130,7 @@ TEST(TrueSurface, PointAlongTheNormalIsFoundAtItsDistance)
       const Vec3d x = foot.position + distance * normalize(cross(foot.du, foot.dv));
       /* Starts some cells away, often on another face. */
       constexpr double cell = 1.0 / 16;
-      const PatchPoint start = surface.patches().go(p, random.uniform(-3, 3) * cell, random.uniform(-3, 3) * cell);
+      const PatchPoint start = surface.patches().advance(p, random.uniform(-3, 3) * cell, random.uniform(-3, 3) * cell);
       const TruePoint found = surface.nearest(x, start, cell);
       EXPECT_NEAR(length(found.position - x), std::abs(distance), 1e-6 + 1e-4 * std::abs(distance)) << model->name;
       EXPECT_NEAR(length(found.position - foot.position), 0, 1e-3 * std::abs(distance) + 1e-5) << model->name;
@@ -175,7 +175,7 @@ TEST(TrueSurface, LinesHitItWhereTheyAreAimed)
     const Vec3d origin = aim.position + 3.0 * n +
                          Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     constexpr double cell = 1.0 / 64;
-    const TruePoint start = surface.evaluate(surface.patches().go(aim.at, 0.3 * cell, -0.4 * cell));
+    const TruePoint start = surface.evaluate(surface.patches().advance(aim.at, 0.3 * cell, -0.4 * cell));
     const auto met = surface.crossing(origin, normalize(aim.position - origin), start, cell, 1e-9);
     ASSERT_TRUE(met);
     EXPECT_NEAR(length(met->position - aim.position), 0, 1e-6);

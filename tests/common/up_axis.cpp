@@ -269,7 +269,7 @@ TEST(UpAxis, HintsConvertInBothDirections)
   const ViewHints hints;
   for (size_t i = 0; i < std::size(ups); i++)
   {
-    const ViewHints turned = turnedFromY(hints, upAxes()[i]), back = turnedToY(turned, upAxes()[i]);
+    const ViewHints turned = rotatedFromY(hints, upAxes()[i]), back = rotatedToY(turned, upAxes()[i]);
     EXPECT_EQ(length(turned.up - ups[i]), 0.0f) << upAxes()[i];
     EXPECT_FLOAT_EQ(dot(turned.direction, turned.up), dot(hints.direction, hints.up)) << upAxes()[i];
     EXPECT_EQ(length(back.up - hints.up), 0.0f) << upAxes()[i];

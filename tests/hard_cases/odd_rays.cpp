@@ -169,7 +169,7 @@ TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
   trace(scene, {Single, false, false}, ofUnitLength);
   for (bool flush : {false, true})
     for (int exponent : oddExponents) {
-      const Denormals denormals(flush);
+      const DenormalMode denormals(flush);
       const float length = std::ldexp(1.0f, exponent);
       const std::vector<RTCRayHit> scaled = withDirections(rays, length);
       for (const Call& call : {Call{Single, false, false}, Call{Single, false, true}, Call{Stream, true, false},

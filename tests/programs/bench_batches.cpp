@@ -23,8 +23,8 @@ TEST(Batches, RepresentationsThatFitAreMeasuredAlternately)
   const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads,
                                    SIZE_MAX);
   ASSERT_EQ(plan.baselines.size(), 2u) << "GRID, one per ISA";
-  ASSERT_EQ(plan.rest.size(), 1u);
-  EXPECT_EQ(plan.rest[0].size(), 6u) << "GRID is not a separate variant";
+  ASSERT_EQ(plan.batches.size(), 1u);
+  EXPECT_EQ(plan.batches[0].size(), 6u) << "GRID is not a separate variant";
   EXPECT_TRUE(plan.tooLarge.empty());
 }
 
@@ -43,7 +43,7 @@ TEST(Batches, BatchesFitIntoFreeMemory)
   EXPECT_EQ(plan.tooLarge[0].representation.kind, RepresentationKind::Naive);
   EXPECT_GT(neededBytes(plan, plan.tooLarge[0], quads), available);
   size_t variants = 0;
-  for (const auto& batch : plan.rest)
+  for (const auto& batch : plan.batches)
   {
     size_t used = bytes(RepresentationKind::Grid);
     for (const Variant& v : batch)
@@ -52,7 +52,7 @@ TEST(Batches, BatchesFitIntoFreeMemory)
     variants += batch.size();
   }
   EXPECT_EQ(variants, 5u);
-  EXPECT_EQ(plan.rest.size(), 3u);
+  EXPECT_EQ(plan.batches.size(), 3u);
 }
 
 TEST(Batches, LibrariesAreComparedInOneBatch)
@@ -61,8 +61,8 @@ TEST(Batches, LibrariesAreComparedInOneBatch)
   const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available,
                                    {true, true});
   EXPECT_EQ(plan.baselines.size(), 2u) << "GRID, one per library";
-  ASSERT_EQ(plan.rest.size(), 2u);
-  for (const auto& batch : plan.rest)
+  ASSERT_EQ(plan.batches.size(), 2u);
+  for (const auto& batch : plan.batches)
   {
     ASSERT_EQ(batch.size(), 2u);
     EXPECT_TRUE(differOnlyByLibrary(batch[0], batch[1]));
@@ -77,12 +77,12 @@ TEST(Batches, LibrariesAreComparedInOneBatch)
 TEST(Batches, StockEmbreeHasNoCompressedRepresentations)
 {
   const Batches plan = planBatches(parseRepresentations("naive,cvert", 2), {"avx2"}, quads, SIZE_MAX, {false, true});
-  ASSERT_EQ(plan.rest.size(), 1u);
-  ASSERT_EQ(plan.rest[0].size(), 3u);
-  EXPECT_EQ(plan.rest[0][2].representation.kind, RepresentationKind::CVert);
-  EXPECT_EQ(plan.rest[0][2].library, 1u);
-  ASSERT_EQ(plan.unknown.size(), 1u);
-  EXPECT_EQ(plan.unknown[0].library, 0u);
+  ASSERT_EQ(plan.batches.size(), 1u);
+  ASSERT_EQ(plan.batches[0].size(), 3u);
+  EXPECT_EQ(plan.batches[0][2].representation.kind, RepresentationKind::CVert);
+  EXPECT_EQ(plan.batches[0][2].library, 1u);
+  ASSERT_EQ(plan.unsupported.size(), 1u);
+  EXPECT_EQ(plan.unsupported[0].library, 0u);
 }
 
 } // namespace

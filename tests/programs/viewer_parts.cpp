@@ -145,7 +145,7 @@ TEST(Layout, AreasDoNotOverlap)
     for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
       for (const bool split : {false, true})
       {
-        const WindowLayout l = layOut(window, panel, split);
+        const WindowLayout l = computeLayout(window, panel, split);
         EXPECT_FALSE(overlap(l.panel, l.picture) || overlap(l.captions, l.picture) || overlap(l.captions, l.panel));
         EXPECT_EQ(areaOf(l.panel) + areaOf(l.captions) + areaOf(l.picture), window.width * window.height);
         EXPECT_GE(std::min(l.picture.width, l.picture.height), 1);
@@ -159,11 +159,11 @@ TEST(Layout, PictureGetsHalfTheWindowOrAllOfItWithoutThePanel)
   for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}})
   {
     const int all = window.width * window.height;
-    EXPECT_GE(2 * areaOf(layOut(window, PanelState::Open, false).picture), all);
-    EXPECT_GE(10 * areaOf(layOut(window, PanelState::Folded, false).picture), 9 * all);
-    EXPECT_EQ(areaOf(layOut(window, PanelState::Hidden, true).picture), all);
+    EXPECT_GE(2 * areaOf(computeLayout(window, PanelState::Open, false).picture), all);
+    EXPECT_GE(10 * areaOf(computeLayout(window, PanelState::Folded, false).picture), 9 * all);
+    EXPECT_EQ(areaOf(computeLayout(window, PanelState::Hidden, true).picture), all);
   }
-  EXPECT_EQ(layOut({1024, 768}, PanelState::Open, true).captions.x, panelWidth);
+  EXPECT_EQ(computeLayout({1024, 768}, PanelState::Open, true).captions.x, panelWidth);
 }
 
 /* --- pictures ---------------------------------------------------------------------------- */
@@ -409,7 +409,7 @@ TEST(Worker, ReportsThePhaseOfItsWork)
   step = 2;
   const Worker::Progress after = reached(3);
   step = 4;
-  worker.take();
+  worker.join();
   EXPECT_EQ(within.work, "loading");
   EXPECT_EQ(within.phase, "skin");
   EXPECT_EQ(within.fraction, 0.25);
@@ -423,14 +423,14 @@ TEST(Worker, CanBeStoppedAndRestarted)
   worker.start("endless", untilCancelled);
   worker.cancel();
   EXPECT_EQ(worker.progress()->work, "stopping: endless");
-  EXPECT_THROW(worker.take(), Canceled);
+  EXPECT_THROW(worker.join(), Canceled);
   EXPECT_FALSE(cancelRequested());
   bool done = false;
   worker.start("short", [&] {
     throwIfCanceled();
     done = true;
   });
-  worker.take();
+  worker.join();
   EXPECT_TRUE(done);
 }
 
@@ -440,15 +440,15 @@ TEST(Worker, DiscardsResultsOfCanceledWork)
   worker.start("short", [] {});
   worker.wait();
   worker.cancel();
-  EXPECT_THROW(worker.take(), Canceled);
+  EXPECT_THROW(worker.join(), Canceled);
 }
 
 TEST(Worker, ForwardsErrors)
 {
   Worker worker;
   worker.start("failing", [] { throw Error("no such file"); });
-  EXPECT_THROW(worker.take(), Error);
-  EXPECT_FALSE(worker.busy());
+  EXPECT_THROW(worker.join(), Error);
+  EXPECT_FALSE(worker.hasTask());
 }
 
 TEST(Worker, StopsOnDestruction)

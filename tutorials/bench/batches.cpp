@@ -22,28 +22,28 @@ Batches planBatches(const std::vector<Representation>& representations, const st
     for (size_t library = 0; library < compresses.size(); library++)
       plan.baselines.push_back({{RepresentationKind::Grid}, isa, library});
   const size_t base = baselineBytes(plan, size);
-  plan.rest.emplace_back();
+  plan.batches.emplace_back();
   size_t used = base;
   for (const Representation& r : representations)
     for (const std::string& isa : isas)
     {
       if (r.kind == RepresentationKind::Grid)
         continue;
-      std::vector<Variant> together;
+      std::vector<Variant> perLibrary;
       for (size_t library = 0; library < compresses.size(); library++)
-        (compresses[library] || !r.isCompressed() ? together : plan.unknown).push_back({r, isa, library});
-      const size_t bytes = together.size() * estimatedPeakBytes(r.kind, size);
+        (compresses[library] || !r.isCompressed() ? perLibrary : plan.unsupported).push_back({r, isa, library});
+      const size_t bytes = perLibrary.size() * estimatedPeakBytes(r.kind, size);
       if (base + bytes > available)
       {
-        plan.tooLarge.insert(plan.tooLarge.end(), together.begin(), together.end());
+        plan.tooLarge.insert(plan.tooLarge.end(), perLibrary.begin(), perLibrary.end());
         continue;
       }
       if (used + bytes > available)
       {
-        plan.rest.emplace_back();
+        plan.batches.emplace_back();
         used = base;
       }
-      plan.rest.back().insert(plan.rest.back().end(), together.begin(), together.end());
+      plan.batches.back().insert(plan.batches.back().end(), perLibrary.begin(), perLibrary.end());
       used += bytes;
     }
   return plan;
@@ -56,9 +56,9 @@ size_t baselineBytes(const Batches& batches, const BuildSize& size)
 
 size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size)
 {
-  const auto together = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
+  const auto perLibrary = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
                                       [&](const Variant& v) { return differOnlyByLibrary(v, tooLarge); });
-  return baselineBytes(batches, size) + size_t(together) * estimatedPeakBytes(tooLarge.representation.kind, size);
+  return baselineBytes(batches, size) + size_t(perLibrary) * estimatedPeakBytes(tooLarge.representation.kind, size);
 }
 
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available)

@@ -26,10 +26,10 @@ bool differOnlyByLibrary(const Variant& a, const Variant& b);
 
 struct Batches
 {
-  std::vector<Variant> baselines;         // GRID, one per ISA and library; always in memory
-  std::vector<std::vector<Variant>> rest; // may hold one empty batch
+  std::vector<Variant> baselines;            // GRID, one per ISA and library; always in memory
+  std::vector<std::vector<Variant>> batches; // may be one empty batch
   std::vector<Variant> tooLarge;
-  std::vector<Variant> unknown;           // not supported by their libraries
+  std::vector<Variant> unsupported;          // not supported by their libraries
 };
 
 /* Fills batches in order while upper estimates of their memory fit into `available` bytes. Variants that differ only

@@ -66,7 +66,7 @@ BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSett
   result.leafBytes = leafBytes(*scene);
   result.innerBytes = result.build.liveBytes - std::min(result.build.liveBytes, result.leafBytes);
   group.results.push_back(std::move(result));
-  found = &group.results.back();
+  variantResult = &group.results.back();
 }
 
 void BuiltVariant::Deleter::operator()(BuiltScene* scene) const

@@ -28,8 +28,8 @@ public:
     return *scene;
   }
 
-  VariantResult& result() const { return *found; }
-  const Variant& variant() const { return found->variant; }
+  VariantResult& result() const { return *variantResult; }
+  const Variant& variant() const { return variantResult->variant; }
 
 private:
   struct Deleter
@@ -38,7 +38,7 @@ private:
     void operator()(BuiltScene* scene) const;
   };
   std::unique_ptr<BuiltScene, Deleter> scene;
-  VariantResult* found;
+  VariantResult* variantResult;
 };
 
 /* Index of the first library's counterpart of variant i. Empty if there is none, or if it is i itself. */

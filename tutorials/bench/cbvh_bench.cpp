@@ -43,7 +43,7 @@ int run(int argc, char** argv)
   if (!options)
     return 0;
   cbvh::installCancelHandler();
-  cbvh::endSoonAfterCancel("cbvh_bench");
+  cbvh::forceExitAfterCancel("cbvh_bench");
   measure(*options, machine);
   return 0;
 }

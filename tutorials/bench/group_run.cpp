@@ -136,21 +136,22 @@ public:
   {
     for (const Variant& variant : plan.baselines)
       add(variant, 0);
-    for (size_t i = 0; i < plan.rest.size(); i++)
+    for (size_t i = 0; i < plan.batches.size(); i++)
     {
-      for (const Variant& variant : plan.rest[i])
+      for (const Variant& variant : plan.batches[i])
         add(variant, int(i));
       if (settings.options.libraries.size() > 1)
         compareLibraries(settings.options, comparisons->views(), built, title() + ": hits of the libraries");
       if (settings.options.repeat > 0)
         measureSpeed(settings.options, comparisons->views(), built,
-                     title() + ": speed, batch " + std::to_string(i + 1) + " of " + std::to_string(plan.rest.size()));
+                     title() + ": speed, batch " + std::to_string(i + 1) + " of " +
+                       std::to_string(plan.batches.size()));
       built.erase(built.begin() + ptrdiff_t(plan.baselines.size()), built.end());
     }
     for (const Variant& variant : plan.tooLarge)
       skip(variant, sizeMessage(variant.representation.label(), group.quads, neededBytes(plan, variant, size),
                                 available));
-    for (const Variant& variant : plan.unknown)
+    for (const Variant& variant : plan.unsupported)
       skip(variant, variant.representation.label() + " is not supported by " + libraryOf(variant).description());
     return std::move(group);
   }

@@ -11,8 +11,8 @@ namespace {
 HitAgreement agreementOf(const BuiltVariant& first, const BuiltVariant& other, const View& view, RaySet set,
                          const TraceSettings& trace)
 {
-  const std::vector<KeptHit> hits = keepHits(first.use(), view.sets[set], trace);
-  return {view.name, set, trace, compareKeptHits(hits, keepHits(other.use(), view.sets[set], trace))};
+  const std::vector<HitRecord> hits = recordHits(first.use(), view.sets[set], trace);
+  return {view.name, set, trace, compareHitRecords(hits, recordHits(other.use(), view.sets[set], trace))};
 }
 
 } // namespace

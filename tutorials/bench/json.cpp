@@ -52,11 +52,11 @@ json sheetsJson(const SheetCrossings& c)
 json crossingsJson(const CrossingCheck& c)
 {
   return {{"view", c.view},
-          {"rays", c.found.rays},
-          {"crossings", c.found.sceneCrossings},
-          {"grid_crossings", c.found.gridCrossings},
-          {"other_number", c.found.differentCounts},
-          {"other_parity", c.found.differentParities}};
+          {"rays", c.counts.rays},
+          {"crossings", c.counts.sceneCrossings},
+          {"grid_crossings", c.counts.gridCrossings},
+          {"other_number", c.counts.differentCounts},
+          {"other_parity", c.counts.differentParities}};
 }
 
 json shadowJson(const ShadowErrors& e)
@@ -72,14 +72,14 @@ json shadowsJson(const ShadowCheck& c)
           {"offset_pixels", c.settings.pixels},
           {"offset_ulps", c.settings.ulps},
           {"length", std::isfinite(c.length) ? json(c.length) : json()},
-          {"rays", c.found.rays},
-          {"occluded", c.found.occluded},
-          {"errors", shadowJson(c.found.all)},
-          {"same_place_rays", c.found.sameHitRays},
-          {"same_place_errors", shadowJson(c.found.sameHitErrors)},
-          {"turned_rays", c.found.flippedRays},
-          {"turned_errors", shadowJson(c.found.flippedErrors)},
-          {"control_errors", shadowJson(c.found.control)}};
+          {"rays", c.comparison.rays},
+          {"occluded", c.comparison.occluded},
+          {"errors", shadowJson(c.comparison.all)},
+          {"same_place_rays", c.comparison.sameHitRays},
+          {"same_place_errors", shadowJson(c.comparison.sameHitErrors)},
+          {"turned_rays", c.comparison.flippedRays},
+          {"turned_errors", shadowJson(c.comparison.flippedErrors)},
+          {"control_errors", shadowJson(c.comparison.control)}};
 }
 
 json speedJson(const Speed& s, bool onDevice)
@@ -110,12 +110,12 @@ json agreementJson(const HitAgreement& a)
           {"set", raySetName(a.set)},
           {"query", queryName(a.trace.query)},
           {"mode", traceModeName(a.trace.mode)},
-          {"rays", a.found.rays},
-          {"other_rays", a.found.all()},
-          {"other_hit_or_miss", a.found.hits},
-          {"other_ids", a.found.ids},
-          {"other_distance", a.found.distances},
-          {"other_uv_or_normal", a.found.surfaces}};
+          {"rays", a.differences.rays},
+          {"other_rays", a.differences.all()},
+          {"other_hit_or_miss", a.differences.hits},
+          {"other_ids", a.differences.ids},
+          {"other_distance", a.differences.distances},
+          {"other_uv_or_normal", a.differences.surfaces}};
 }
 
 json libraryJson(const Library& library)

@@ -36,8 +36,8 @@ std::vector<std::string> split(const std::string& option, const std::string& lis
   return words;
 }
 
-/* Numbers from 0 to `most`. */
-std::vector<int> parseIntegers(const std::string& option, const std::string& list, int most)
+/* Numbers from 0 to `maximum`. */
+std::vector<int> parseIntegers(const std::string& option, const std::string& list, int maximum)
 {
   std::vector<int> numbers;
   for (const std::string& word : split(option, list))
@@ -45,8 +45,8 @@ std::vector<int> parseIntegers(const std::string& option, const std::string& lis
     int value = 0;
     const char* const end = word.data() + word.size();
     const auto result = std::from_chars(word.data(), end, value);
-    if (result.ec != std::errc() || result.ptr != end || value < 0 || value > most)
-      throw Error("invalid " + option + " '" + word + "': expected a number from 0 to " + std::to_string(most));
+    if (result.ec != std::errc() || result.ptr != end || value < 0 || value > maximum)
+      throw Error("invalid " + option + " '" + word + "': expected a number from 0 to " + std::to_string(maximum));
     numbers.push_back(value);
   }
   return numbers;
@@ -286,7 +286,7 @@ void readLibraries(const Words& words, BenchOptions& o)
 
 void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 {
-  constexpr int mostThreads = 1024; // more is probably a typing error
+  constexpr int maxThreads = 1024; // more is probably a typing error
   if (!words.libraries.empty()) // instead of the program's own library's
     machine.isas = commonIsas(o.libraries);
   for (const std::string& word : split("--isa", words.isas))
@@ -300,7 +300,7 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
     throw Error("--check-packets is for the CPU: expected no packets with --device " + o.device);
   if (o.device != "cpu" && o.checks.crossings)
     throw Error("--check crossings needs filter functions, which only the CPU calls: expected no --device " + o.device);
-  for (int n : parseIntegers("--threads", words.threads, mostThreads))
+  for (int n : parseIntegers("--threads", words.threads, maxThreads))
     o.threads.push_back(threadCount(n));
   for (const std::string& word : split("--set", words.sets))
     o.sets.push_back(parseRaySet(word));
@@ -312,9 +312,9 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 
 void validateNumbers(const BenchOptions& o)
 {
-  constexpr int mostRounds = 1000; // more is probably a typing error
-  if (o.repeat < 0 || o.repeat > mostRounds)
-    throw Error("invalid --repeat " + std::to_string(o.repeat) + ": expected 0 to " + std::to_string(mostRounds));
+  constexpr int maxRounds = 1000; // more is probably a typing error
+  if (o.repeat < 0 || o.repeat > maxRounds)
+    throw Error("invalid --repeat " + std::to_string(o.repeat) + ": expected 0 to " + std::to_string(maxRounds));
   requireNotNegative("--ray-offset", o.rayOffset);
   if (o.buildThreads < 0)
     throw Error("invalid --build-threads " + std::to_string(o.buildThreads) + ": expected 0 (all) or more");

@@ -9,7 +9,7 @@
 #include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
-#include "tracing/kept_hits.h"
+#include "tracing/hit_records.h"
 #include "tracing/trace_timing.h"
 
 #include <deque>
@@ -39,7 +39,7 @@ struct HitAgreement
   std::string view;
   RaySet set = Coherent;
   TraceSettings trace;
-  HitDifferences found;
+  HitDifferences differences;
 };
 
 struct ViewResult

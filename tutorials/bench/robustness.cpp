@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-constexpr size_t pointsOfKind = 100000; // a tenth of a check's default number of rays
+constexpr size_t pointsPerKind = 100000; // a tenth of a check's default number of rays
 
 struct Offset
 {
@@ -56,7 +56,7 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
   for (int frameLevel : frameLevels)
     if (!points.count(blockLevel(frameLevel)))
       points[blockLevel(frameLevel)] =
-        pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsOfKind, seed);
+        pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsPerKind, seed);
   double sum = 0;
   for (const AimPoint& point : points.begin()->second[AtVertex])
     sum += length(point.neighbor - point.position);

@@ -38,13 +38,13 @@ struct ShadowCheck
   std::string offset;        // in words
   RayOffset settings;
   float length = INFINITY;   // of the rays
-  ShadowComparison found;
+  ShadowComparison comparison;
 };
 
 struct CrossingCheck
 {
   std::string view;
-  CrossingCounts found;
+  CrossingCounts counts;
 };
 
 struct CheckResult

@@ -42,7 +42,7 @@ unsigned passesFor(double gridSeconds)
 }
 
 /* Each round begins with another variant, and every other round runs backwards. The warm-up round is -1. */
-size_t inTurn(size_t k, int round, size_t n)
+size_t indexInRound(size_t k, int round, size_t n)
 {
   const size_t turn = (k + size_t(round + 1)) % n;
   return round % 2 ? n - 1 - turn : turn;
@@ -93,7 +93,7 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
   std::vector<Combination> combinations = combine(options, views);
   Phase phase(title);
   const size_t samples = combinations.size() * batch.size() * (size_t(options.repeat) + 1);
-  size_t taken = 0;
+  size_t measured = 0;
   for (int round = -1; round < options.repeat; round++) // the first one warms up and sets the passes
     for (size_t c = 0; c < combinations.size(); c++)
     {
@@ -101,9 +101,9 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
       std::vector<TraceTiming> timings(batch.size());
       for (size_t k = 0; k < batch.size(); k++)
       {
-        const size_t i = inTurn(k, round, batch.size());
+        const size_t i = indexInRound(k, round, batch.size());
         timings[i] = timeTrace(batch[i].use(), combination.rays(), combination.trace);
-        phase.update(double(++taken) / double(samples));
+        phase.update(double(++measured) / double(samples));
       }
       if (round < 0)
         combination.trace.passes = passesFor(timings[0].seconds);

@@ -44,20 +44,21 @@ std::string checkLines(const CheckResult& checks)
   {
     std::snprintf(line, sizeof(line),
                   "    %s crossings of %zu rays: %zu (GRID %zu), rays with a different number %zu, parity %zu\n",
-                  c.view.c_str(), c.found.rays, c.found.sceneCrossings, c.found.gridCrossings, c.found.differentCounts,
-                  c.found.differentParities);
+                  c.view.c_str(), c.counts.rays, c.counts.sceneCrossings, c.counts.gridCrossings,
+                  c.counts.differentCounts, c.counts.differentParities);
     out += line;
   }
   for (const ShadowCheck& c : checks.shadows)
   {
+    const ShadowComparison& s = c.comparison;
     const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
     std::snprintf(line, sizeof(line),
                   "    %s shadows, offset %s, %s: %.3f per 1000 (false occlusions %.3f, false passes %.3f); "
                   "same hit %.3f; flipped normal %.3f; control %.3f\n",
                   c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
-                  share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
-                  share(c.found.all.falsePasses, c.found.rays), share(c.found.sameHitErrors.sum(), c.found.sameHitRays),
-                  share(c.found.flippedErrors.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
+                  share(s.all.sum(), s.rays), share(s.all.falseOcclusions, s.rays), share(s.all.falsePasses, s.rays),
+                  share(s.sameHitErrors.sum(), s.sameHitRays), share(s.flippedErrors.sum(), s.rays),
+                  share(s.control.sum(), s.rays));
     out += line;
   }
   return out;
@@ -70,16 +71,17 @@ std::string agreementLines(const std::vector<HitAgreement>& agreements)
   std::string out;
   for (const HitAgreement& a : agreements)
   {
-    rays += a.found.rays;
-    differ += a.found.all();
-    if (!a.found.all())
+    rays += a.differences.rays;
+    differ += a.differences.all();
+    if (!a.differences.all())
       continue;
     char line[240];
     std::snprintf(line, sizeof(line),
                   " %s %s %s: %zu of %zu rays differ from library A: %zu hit or miss, %zu IDs, %zu distances, "
                   "%zu u, v or normals\n",
-                  raySetName(a.set), queryName(a.trace.query), traceModeName(a.trace.mode), a.found.all(), a.found.rays,
-                  a.found.hits, a.found.ids, a.found.distances, a.found.surfaces);
+                  raySetName(a.set), queryName(a.trace.query), traceModeName(a.trace.mode), a.differences.all(),
+                  a.differences.rays, a.differences.hits, a.differences.ids, a.differences.distances,
+                  a.differences.surfaces);
     out += "    " + a.view + line;
   }
   return rays && !differ ? "    hits of " + std::to_string(rays) + " rays are identical to library A\n" : out;
@@ -117,7 +119,7 @@ std::string resultLines(const VariantResult& r)
                 r.build.bytesPerQuad(), r.build.seconds);
   out += head;
   if (r.variant.representation.hasFallbackFaces())
-    out += number(", %.1f%% of the quads stored as cVERT", 100.0 * r.build.exactShare());
+    out += number(", %.1f%% of the quads stored as cVERT", 100.0 * r.build.fallbackFraction());
   for (const ViewResult& v : r.views)
     out += ", " + v.view + " error median " + number("%.4f", v.errors.median) + number(" p99 %.4f px", v.errors.p99);
   if (r.build.onDevice)

@@ -148,7 +148,7 @@ int main(int argc, char** argv)
   static const float corners[4][2] = {{0,0}, {1,0}, {1,1}, {0,1}};
   static const unsigned int faceVertexCounts[6] = {4, 4, 4, 4, 4, 4};
   static const unsigned int indices[24] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
-  static const unsigned int ofCorners[24] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
+  static const unsigned int uvIndices[24] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
   const float* const steps[1] = {positions[0]};
   struct CbvhAttribute uv;
   struct CbvhCage cage;
@@ -168,7 +168,7 @@ int main(int argc, char** argv)
   uv.count = 4;
   uv.stride = sizeof(corners[0]);
   uv.width = 2;
-  uv.indices = ofCorners;
+  uv.indices = uvIndices;
   uv.boundary = CBVH_BOUNDARY_PIN_ALL;
 
   memset(&cage, 0, sizeof(cage));

@@ -32,9 +32,9 @@ static size_t encodeBlock(unsigned x, unsigned y, void* block)
   const auto encoder = std::make_unique<cvert::VertEncoder>();
   for (unsigned j = 0; j <= side; j++)
     for (unsigned i = 0; i <= side; i++) vertexOf(x + i, y + j, encoder->vertices[j*(side + 1) + i]);
-  const cvert::VertPlacement place(cvert::packRegion(side, side, x, y), cvert::packPatchQuads(quads, quads));
+  const cvert::VertPlacement placement(cvert::packRegion(side, side, x, y), cvert::packPatchQuads(quads, quads));
   cvert::VertStatistics statistics;
-  return encoder->encode(place, (uint8_t*)block, statistics);
+  return encoder->encode(placement, (uint8_t*)block, statistics);
 }
 
 // Returns true if the vertices of the block at quad (x,y) are decoded to the same floats.

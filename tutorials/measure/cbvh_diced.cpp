@@ -4,8 +4,8 @@
 /* Compares compressed diced geometry with Embree's own kernel: memory, commits, and rays, traced alternately. */
 
 #include "building/diced_surface.h"
+#include "measure/interleaved_speed.h"
 #include "measure/quantiles.h"
-#include "measure/speed_in_turns.h"
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
@@ -42,7 +42,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const bool isIndexed = input.shape != DicedInput::Grids;
   const QuadMesh mesh = isIndexed ? surface.mesh(input.order) : QuadMesh();
   const auto prepare = [&](EmbreeDevice& device) {
-    return commitOf(isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles)
+    return commitOf(isIndexed ? makeIndexedGeometry(device, mesh, input.shape == DicedInput::Triangles)
                               : surface.makeGrids(device, input.gridQuads));
   };
   const TimedBuild embree(prepare, options.compared, RTC_COMPRESSION_NONE, -1,
@@ -53,7 +53,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   std::vector<RTCRayHit> hits[2];
   double speed[3];
   size_t disagreements = 0, rays = 0;
-  const FastDenormals fast;
+  const FlushDenormals fast;
   for (int set = 0; set < 3; set++)
   {
     const TimedQuery query = set == 1 ? TimedQuery::Packets : TimedQuery::Single;

@@ -6,8 +6,8 @@
 
 #include "building/built_scene.h"
 #include "building/subdivision_geometry.h"
+#include "measure/interleaved_speed.h"
 #include "measure/quantiles.h"
-#include "measure/speed_in_turns.h"
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
@@ -47,7 +47,7 @@ void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsi
                         {rays.bounces, TimedQuery::Single},
                         {rays.bounces, TimedQuery::AnyHit},
                         {rays.tiles, TimedQuery::Packets}};
-  const FastDenormals fast;
+  const FlushDenormals fast;
   std::vector<RTCRayHit> hits[2];
   for (int set = 0; set < numQueries; set++)
     speed[set] = medianSpeedup(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);

@@ -5,8 +5,8 @@
 
 #include "building/diced_surface.h"
 #include "building/subdivision_geometry.h"
+#include "measure/interleaved_speed.h"
 #include "measure/quantiles.h"
-#include "measure/speed_in_turns.h"
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
@@ -334,7 +334,7 @@ void measure(const Options& options, const Source& source)
     const std::pair<TimedQuery, const std::vector<RTCRayHit>&> sets[] = {{TimedQuery::Single, picture.primary},
         {TimedQuery::Single, picture.bounces}, {TimedQuery::AnyHit, picture.bounces}};
     {
-      const FastDenormals fast;
+      const FlushDenormals fast;
       std::vector<RTCRayHit> hits[2];
       for (const auto& set : sets)
         printSpread(interleavedSpeedups(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));

@@ -69,7 +69,7 @@ private:
   void addSample(uint32_t sampleIndex) override
   {
     parallelFor(light.size(), chunk, threads, [&](size_t begin, size_t end) {
-      const FastDenormals denormals;
+      const FlushDenormals denormals;
       for (size_t i = begin; i < end; i++)
         light[i] += path::lightOfPath(scene, view, uint32_t(i % view.width), uint32_t(i / view.width), sampleIndex);
     });

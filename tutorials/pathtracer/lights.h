@@ -22,7 +22,7 @@ PATH_CONSTANT float sunRadius = 0.0186f;
 PATH_FUNCTION vec3 directionToSun (vec3 sun, float u, float v)
 {
   vec3 p = pointOfHemisphere(u,v);
-  return unitVector(turned(vector(sunRadius*p.x,sunRadius*p.y,1.0f),sun));
+  return unitVector(rotatedFromZ(vector(sunRadius*p.x,sunRadius*p.y,1.0f),sun));
 }
 
 PATH_FUNCTION vec3 skyColor (vec3 direction, vec3 up)

@@ -54,7 +54,7 @@ ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 directi
 bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 
 /* tnear of rays that leave a hit: above its rounding error, as in Embree's path tracer. */
-PATH_FUNCTION float nearEnd (vec3 p, float t)
+PATH_FUNCTION float tnearAfterHit (vec3 p, float t)
 {
   return 32.0f*1.1920929e-7f*max(max(abs(p.x),abs(p.y)),max(abs(p.z),t));
 }
@@ -90,7 +90,7 @@ PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, ui
     if (hits > view.bounces) return light;
     vec3 n = facingNormal(hit.Ng,direction);
     origin = origin + hit.t*direction;
-    tnear = nearEnd(origin,hit.t);
+    tnear = tnearAfterHit(origin,hit.t);
     weight = weight*albedo();
 
     float u = randomNumber(pixel,sampleIndex,dimension++), v = randomNumber(pixel,sampleIndex,dimension++);
@@ -100,7 +100,7 @@ PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, ui
 
     u = randomNumber(pixel,sampleIndex,dimension++);
     v = randomNumber(pixel,sampleIndex,dimension++);
-    direction = turned(pointOfHemisphere(u,v),n);
+    direction = rotatedFromZ(pointOfHemisphere(u,v),n);
   }
 }
 

@@ -45,8 +45,8 @@ private:
 /* The scene must be committed and outlive the tracer. */
 std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads);
 
-/* `which` is for rtcNewVulkanDevice. The scene must be committed. Throws Error. */
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which,
+/* `selector` is for rtcNewVulkanDevice. The scene must be committed. Throws Error. */
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& selector,
                                                  bool byRayQuery = false);
 
 } // namespace cbvh

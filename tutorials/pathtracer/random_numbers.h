@@ -13,7 +13,7 @@
 PATH_BEGIN
 
 /* Finalizer of MurmurHash3. */
-PATH_FUNCTION uint32_t mixedBits (uint32_t x)
+PATH_FUNCTION uint32_t hashBits (uint32_t x)
 {
   x = (x ^ (x >> 16u))*0x85EBCA6Bu;
   x = (x ^ (x >> 13u))*0xC2B2AE35u;
@@ -23,7 +23,7 @@ PATH_FUNCTION uint32_t mixedBits (uint32_t x)
 /* A multiple of 2^-24 in [0,1). `dimension` counts the numbers of a sample. */
 PATH_FUNCTION float randomNumber (uint32_t pixel, uint32_t sampleIndex, uint32_t dimension)
 {
-  uint32_t bits = mixedBits(mixedBits(mixedBits(pixel + 1u) + sampleIndex) + dimension);
+  uint32_t bits = hashBits(hashBits(hashBits(pixel + 1u) + sampleIndex) + dimension);
   return float(bits >> 8u)*5.9604644775390625e-8f;
 }
 
@@ -47,7 +47,7 @@ PATH_FUNCTION vec3 unitVector (vec3 v) { return v*(1.0f/sqrt(dot(v,v))); }
 
 /* Rotates p from a frame whose z axis is the unit vector n. Based on: Duff et al., Building an Orthonormal Basis,
  * Revisited, 2017. */
-PATH_FUNCTION vec3 turned (vec3 p, vec3 n)
+PATH_FUNCTION vec3 rotatedFromZ (vec3 p, vec3 n)
 {
   float s = n.z < 0.0f ? -1.0f : 1.0f;
   float a = -1.0f/(s + n.z), b = n.x*n.y*a;

@@ -36,17 +36,17 @@ uint32_t memoryType(VkPhysicalDevice device, uint32_t allowed, VkMemoryPropertyF
 
 } // namespace
 
-void checkVulkan(VkResult result, const std::string& doing)
+void checkVulkan(VkResult result, const std::string& operation)
 {
   if (result < VK_SUCCESS)
-    throw Error("Vulkan, " + doing + ": " + nameOf(result));
+    throw Error("Vulkan, " + operation + ": " + nameOf(result));
 }
 
 /* --- device ------------------------------------------------------------------------------- */
 
-VulkanDevice::VulkanDevice(const std::string& which) : errors("")
+VulkanDevice::VulkanDevice(const std::string& selector) : errors("")
 {
-  device = rtcNewVulkanDevice(errors.handle(), which.c_str());
+  device = rtcNewVulkanDevice(errors.handle(), selector.c_str());
   check("opening a Vulkan device");
   rtcGetVulkanDeviceHandles(device, &vk);
   volkInitializeCustom(vk.getInstanceProcAddr);
@@ -122,7 +122,7 @@ void VulkanBuffer::create(Kind kind)
 {
   VkBufferCreateInfo info = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = bytes;
-  info.usage = kind == ToRead ? VK_BUFFER_USAGE_TRANSFER_DST_BIT
+  info.usage = kind == HostReadable ? VK_BUFFER_USAGE_TRANSFER_DST_BIT
                               : VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                   VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   checkVulkan(vkCreateBuffer(device.vk.device, &info, nullptr, &handle), "creating a buffer");
@@ -136,7 +136,7 @@ void VulkanBuffer::allocate(Kind kind)
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo info = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   info.allocationSize = requirements.size;
-  if (kind == ToRead)
+  if (kind == HostReadable)
     info.memoryTypeIndex =
       memoryType(device.vk.physicalDevice, requirements.memoryTypeBits,
                  VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
@@ -150,7 +150,7 @@ void VulkanBuffer::allocate(Kind kind)
   checkVulkan(vkAllocateMemory(device.vk.device, &info, nullptr, &memory),
               "allocating " + std::to_string(requirements.size) + " bytes for a picture");
   checkVulkan(vkBindBufferMemory(device.vk.device, handle, memory, 0), "binding memory");
-  if (kind == OnDevice)
+  if (kind == DeviceLocal)
   {
     VkBufferDeviceAddressInfo addressInfo = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
     addressInfo.buffer = handle;

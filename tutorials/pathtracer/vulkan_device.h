@@ -16,20 +16,20 @@
 
 namespace cbvh {
 
-/* Throws Error with `doing` if the result is an error. */
-void checkVulkan(VkResult result, const std::string& doing);
+/* Throws Error with `operation` if the result is an error. */
+void checkVulkan(VkResult result, const std::string& operation);
 
 class VulkanDevice
 {
 public:
-  /* `which` is for rtcNewVulkanDevice. Only one may exist, because volk supports one. Throws Error. */
-  explicit VulkanDevice(const std::string& which);
+  /* `selector` is for rtcNewVulkanDevice. Only one may exist, because volk supports one. Throws Error. */
+  explicit VulkanDevice(const std::string& selector);
   ~VulkanDevice();
   VulkanDevice(const VulkanDevice&) = delete;
   VulkanDevice& operator=(const VulkanDevice&) = delete;
 
   /* Throws Error after a failure of rtcore_vulkan.h since the last call. */
-  void check(const char* doing) { errors.check(doing); }
+  void check(const char* operation) { errors.check(operation); }
 
   RTCVulkanDevice handle() const { return device; }
   std::string name() const; // device and driver
@@ -50,8 +50,8 @@ class VulkanBuffer
 public:
   enum Kind
   {
-    OnDevice, // has an address for shaders
-    ToRead    // host-readable and coherent
+    DeviceLocal, // has an address for shaders
+    HostReadable // also coherent
   };
 
   /* Throws Error. */
@@ -61,8 +61,8 @@ public:
   VulkanBuffer& operator=(const VulkanBuffer&) = delete;
 
   VkBuffer handle = VK_NULL_HANDLE;
-  VkDeviceAddress address = 0;  // for OnDevice
-  const void* mapped = nullptr; // for ToRead
+  VkDeviceAddress address = 0;  // for DeviceLocal
+  const void* mapped = nullptr; // for HostReadable
   const VkDeviceSize bytes;
 
 private:

@@ -46,7 +46,7 @@ Code codeFor(bool byRayQuery, bool hasFloat64)
 constexpr uint32_t groupSize = 8; // as in path.comp
 
 /* Paths per submission, approximately: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
-constexpr uint32_t pathsAtOnce = 1u << 18;
+constexpr uint32_t pathsPerSubmission = 1u << 18;
 
 class UploadedScene
 {
@@ -115,13 +115,13 @@ private:
     rtcGetVulkanSceneStatistics(scene, &statistics);
     const uint32_t constants[2] = {rtcGetVulkanSceneLeafKinds(scene), statistics.stackSize};
     const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
-    const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};
+    const VkSpecializationInfo specialization = {2, entries, sizeof(constants), constants};
     VkComputePipelineCreateInfo info = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module;
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &special;
+    info.stage.pSpecializationInfo = &specialization;
     info.layout = layout;
     checkVulkan(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "compiling the shader");
   }
@@ -151,10 +151,10 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
 class VulkanPathTracer : public PathTracer
 {
 public:
-  VulkanPathTracer(RTCScene from, const PathView& view, const std::string& which, bool byRayQuery)
-    : device(which), scene(device, from, byRayQuery), pipeline(device, scene.handle, byRayQuery), view(view),
-      light(device, sizeof(Vec3f) * view.width * view.height, VulkanBuffer::OnDevice),
-      readable(device, light.bytes, VulkanBuffer::ToRead)
+  VulkanPathTracer(RTCScene from, const PathView& view, const std::string& selector, bool byRayQuery)
+    : device(selector), scene(device, from, byRayQuery), pipeline(device, scene.handle, byRayQuery), view(view),
+      light(device, sizeof(Vec3f) * view.width * view.height, VulkanBuffer::DeviceLocal),
+      readable(device, light.bytes, VulkanBuffer::HostReadable)
   {
   }
 
@@ -168,7 +168,7 @@ private:
     arguments.sums = light.address;
     arguments.view = view;
     arguments.sampleIndex = sampleIndex;
-    const uint32_t rows = std::max(pathsAtOnce / view.width / groupSize, 1u) * groupSize; // whole groups
+    const uint32_t rows = std::max(pathsPerSubmission / view.width / groupSize, 1u) * groupSize; // whole groups
     for (arguments.firstRow = 0; arguments.firstRow < view.height; arguments.firstRow += rows)
     {
       throwIfCanceled();
@@ -206,10 +206,10 @@ private:
 
 } // namespace
 
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which,
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& selector,
                                                  bool byRayQuery)
 {
-  return std::make_unique<VulkanPathTracer>(scene, view, which, byRayQuery);
+  return std::make_unique<VulkanPathTracer>(scene, view, selector, byRayQuery);
 }
 
 } // namespace cbvh

@@ -93,9 +93,9 @@ std::vector<float> readSharpness(const py::object& value, const std::string& arg
 {
   if (value.is_none())
     return std::vector<float>(n, INFINITY);
-  const Floats given = floats(value, argument);
+  const Floats array = floats(value, argument);
   const std::vector<float> sharpness =
-    given.ndim() == 0 ? std::vector<float>(n, *given.data()) : floatVector(value, argument);
+    array.ndim() == 0 ? std::vector<float>(n, *array.data()) : floatVector(value, argument);
   if (sharpness.size() != n)
     throwValueError(argument, "has " + std::to_string(sharpness.size()) + " elements: expected " + std::to_string(n));
   for (float s : sharpness)
@@ -138,7 +138,7 @@ std::shared_ptr<Cage> loadCage(const std::filesystem::path& path)
 {
   std::string warnings;
   auto cage = std::make_shared<Cage>(readObj(path.string(), warnings));
-  noteInputFile(path.string());
+  recordInputFile(path.string());
   warn(warnings);
   return checked(std::move(cage));
 }

@@ -151,10 +151,10 @@ to 1.5 plus 2*(i // 4), as Embree reports them.)")
     .def_property_readonly("Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
                            "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalized; 0 for a miss.")
     .def_property_readonly("primID", [](const Hits& h) {
-                             return ids(h, [&](unsigned f) { return f % h.facesOfCopy; });
+                             return ids(h, [&](unsigned f) { return f % h.facesPerCopy; });
                            }, "(...) uint32: face of the cage, from 0; 2**32 - 1 for a miss.")
     .def_property_readonly("geomID", [](const Hits& h) {
-                             return ids(h, [&](unsigned f) { return f / h.facesOfCopy; });
+                             return ids(h, [&](unsigned f) { return f / h.facesPerCopy; });
                            }, "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 for a miss.")
     .def_property_readonly("shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
     .def("__repr__", repr);

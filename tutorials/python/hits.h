@@ -27,7 +27,7 @@ struct Hits
 {
   Shape shape;
   std::vector<SurfaceHit> hits;
-  size_t facesOfCopy = 0, faces = 0; // of the model
+  size_t facesPerCopy = 0, faces = 0; // of the model
 };
 
 /* Raises ValueError unless there are `rays` hits, as many as rays in the arguments `others`. */

@@ -17,30 +17,30 @@
 namespace cbvh::python {
 namespace {
 
-constexpr auto patience = std::chrono::milliseconds(50);
+constexpr auto pollInterval = std::chrono::milliseconds(50);
 
-std::timed_mutex turn;
-std::atomic<std::thread::id> whoseTurn;
+std::timed_mutex callMutex;
+std::atomic<std::thread::id> currentThread;
 
 /* Threads in runInterruptible, and whether the interpreter is about to end. Both change only under the interpreter's
  * lock. */
-std::atomic<int> inside{0};
+std::atomic<int> numRunning{0};
 std::atomic<bool> ending{false};
 
 /* Counts the calling thread, unless the interpreter is about to end: a daemon thread that then waits for the
  * interpreter's lock is unwound through destructors, which ends the process by std::terminate. */
-class Inside
+class RunningCall
 {
 public:
-  Inside()
+  RunningCall()
   {
     if (ending)
       throw Canceled();
-    inside++;
+    numRunning++;
   }
-  ~Inside() { inside--; }
-  Inside(const Inside&) = delete;
-  Inside& operator=(const Inside&) = delete;
+  ~RunningCall() { numRunning--; }
+  RunningCall(const RunningCall&) = delete;
+  RunningCall& operator=(const RunningCall&) = delete;
 };
 
 void throwIfSignalled()
@@ -49,23 +49,23 @@ void throwIfSignalled()
     throw py::error_already_set();
 }
 
-std::unique_lock<std::timed_mutex> takeTurn()
+std::unique_lock<std::timed_mutex> lockCalls()
 {
-  if (whoseTurn == std::this_thread::get_id())
+  if (currentThread == std::this_thread::get_id())
     throw std::runtime_error("progress cannot build or trace, because its own build or trace is running");
-  std::unique_lock<std::timed_mutex> lock(turn, std::defer_lock);
+  std::unique_lock<std::timed_mutex> lock(callMutex, std::defer_lock);
   for (;;)
   {
     {
       const py::gil_scoped_release released;
-      if (lock.try_lock_for(patience))
+      if (lock.try_lock_for(pollInterval))
         break;
     }
     if (ending)
       throw Canceled();
     throwIfSignalled();
   }
-  whoseTurn = std::this_thread::get_id();
+  currentThread = std::this_thread::get_id();
   return lock;
 }
 
@@ -74,7 +74,7 @@ class Task
 public:
   explicit Task(const std::function<void()>& work)
   {
-    setPhaseListener([this](const std::string& name, double fraction) { addNews(name, fraction); });
+    setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); });
     worker = std::thread([this, work] {
       try
       {
@@ -100,24 +100,24 @@ public:
     }
     clearCancel();
     setPhaseListener(nullptr);
-    whoseTurn = std::thread::id();
+    currentThread = std::thread::id();
   }
 
   void wait(const py::object& progress)
   {
     for (bool ended = false; !ended;)
     {
-      std::deque<News> received;
+      std::deque<Event> received;
       {
         const py::gil_scoped_release released;
         std::unique_lock<std::mutex> lock(mutex);
-        changed.wait_for(lock, patience, [&] { return done || !news.empty(); });
-        received.swap(news);
+        changed.wait_for(lock, pollInterval, [&] { return done || !events.empty(); });
+        received.swap(events);
         ended = done;
       }
       throwIfSignalled();
       if (!progress.is_none())
-        for (const News& n : received)
+        for (const Event& n : received)
           progress(n.name, n.fraction);
     }
     join();
@@ -126,19 +126,19 @@ public:
   }
 
 private:
-  struct News
+  struct Event
   {
     std::string name;
     double fraction = 0;
   };
 
-  void addNews(const std::string& name, double fraction)
+  void addEvent(const std::string& name, double fraction)
   {
     const std::lock_guard<std::mutex> lock(mutex);
     if (name == last.name && fraction == last.fraction)
       return; // a phase may end at its last percentage
     last = {name, fraction};
-    news.push_back(last);
+    events.push_back(last);
     changed.notify_one();
   }
 
@@ -150,8 +150,8 @@ private:
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<News> news; // not yet passed to `progress`
-  News last;
+  std::deque<Event> events; // not yet passed to `progress`
+  Event last;
   bool done = false;
   std::exception_ptr failure;
   std::thread worker;
@@ -163,8 +163,8 @@ void runInterruptible(const py::object& progress, const std::function<void()>& w
 {
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is not callable: expected None or a callable");
-  const Inside counted;
-  const std::unique_lock<std::timed_mutex> mine = takeTurn();
+  const RunningCall counted;
+  const std::unique_lock<std::timed_mutex> lock = lockCalls();
   Task(work).wait(progress);
 }
 
@@ -173,11 +173,11 @@ bool interpreterEnds() { return ending; }
 void cancelAllAtExit()
 {
   ending = true;
-  while (inside > 0)
+  while (numRunning > 0)
   {
     requestCancel(); // a task that ends clears the request
     const py::gil_scoped_release released;
-    std::this_thread::sleep_for(patience);
+    std::this_thread::sleep_for(pollInterval);
   }
 }
 

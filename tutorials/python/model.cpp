@@ -97,11 +97,11 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   if (!map.path.empty())
   {
     std::shared_ptr<const Displacement> displacement = displaceByMap(cage, map, warnings);
-    noteMapFiles(cage, map.path);
+    recordMapFiles(cage, map.path);
     return displacement;
   }
-  const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
-  map.path = kept->file.path();
+  const std::shared_ptr<ArrayDisplacement> owner(new ArrayDisplacement{MapFile(heights.map), nullptr});
+  map.path = owner->file.path();
   /* Replaces the temporary file's name by the argument's. */
   const auto withArgument = [&](std::string text) {
     for (size_t at; (at = text.find(map.path)) != std::string::npos;)
@@ -110,7 +110,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   };
   try
   {
-    kept->displacement = displaceByMap(cage, map, warnings);
+    owner->displacement = displaceByMap(cage, map, warnings);
   }
   catch (const Canceled&)
   {
@@ -121,7 +121,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
     throw Error(withArgument(e.what()));
   }
   warnings = withArgument(warnings);
-  return {kept, kept->displacement.get()};
+  return {owner, owner->displacement.get()};
 }
 
 /* --- models -------------------------------------------------------------------- */
@@ -130,10 +130,10 @@ const std::vector<std::string> valuesOfMaps{"heights", "object", "tangent"}; // 
 
 Vec2f readRepeat(const py::object& value)
 {
-  const Floats given = floats(value, "repeat");
-  if (given.size() != 1 && given.size() != 2)
-    throwValueError("repeat", "has " + std::to_string(given.size()) + " numbers: expected one or two");
-  const Vec2f repeat{given.data()[0], given.data()[given.size() - 1]};
+  const Floats array = floats(value, "repeat");
+  if (array.size() != 1 && array.size() != 2)
+    throwValueError("repeat", "has " + std::to_string(array.size()) + " numbers: expected one or two");
+  const Vec2f repeat{array.data()[0], array.data()[array.size() - 1]};
   if (!(repeat.x > 0.0f && repeat.y > 0.0f && std::isfinite(repeat.x) && std::isfinite(repeat.y)))
     throwValueError("repeat", "is (" + std::to_string(repeat.x) + ", " + std::to_string(repeat.y) +
                                 "): expected finite numbers above 0");
@@ -141,12 +141,12 @@ Vec2f readRepeat(const py::object& value)
 }
 
 /* Requires shape (steps, vertices, 3), or (vertices, 3) for one step. */
-std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVertices)
+std::vector<std::vector<Vec3f>> readPoses(const py::object& poses, size_t numVertices)
 {
   constexpr size_t most = 128; // Embree's 129 time steps without the cage
-  if (given.is_none())
+  if (poses.is_none())
     return {};
-  const Floats array = floats(given, "poses");
+  const Floats array = floats(poses, "poses");
   Shape shape = shapeOf(array);
   if (shape.size() == 2)
     shape.insert(shape.begin(), 1);
@@ -154,11 +154,11 @@ std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVer
     throwValueError("poses", "has shape " + shapeText(shapeOf(array)) + ": expected (steps, " +
                                std::to_string(numVertices) + ", 3) with at most " + std::to_string(most) + " steps");
   const Vec3f* const positions = reinterpret_cast<const Vec3f*>(array.data());
-  std::vector<std::vector<Vec3f>> poses;
-  poses.resize(size_t(shape[0]));
-  for (size_t i = 0; i < poses.size(); i++)
-    poses[i].assign(positions + i * numVertices, positions + (i + 1) * numVertices);
-  return poses;
+  std::vector<std::vector<Vec3f>> result;
+  result.resize(size_t(shape[0]));
+  for (size_t i = 0; i < result.size(); i++)
+    result[i].assign(positions + i * numVertices, positions + (i + 1) * numVertices);
+  return result;
 }
 
 std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std::optional<float> amplitude,

@@ -150,7 +150,7 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
   constexpr size_t chunk = 4096;
   std::vector<char> hit(rays.size());
   parallelFor(rays.size(), chunk, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     std::vector<RTCRay> batch(end - begin);
     for (size_t i = begin; i < end; i++)
       load(rays[i], batch[i - begin]);
@@ -228,8 +228,8 @@ Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const 
   return interruptible(py::none(), [&] {
     std::vector<SurfaceHit> hits = traceClosest(scene.saved, rays.rays, n);
     scene.saved.check();
-    const size_t facesOfCopy = scene.saved.facesOfCopy(), faces = facesOfCopy * scene.saved.geometries().size();
-    return Hits{std::move(rays.shape), std::move(hits), facesOfCopy, faces};
+    const size_t facesPerCopy = scene.saved.facesPerCopy(), faces = facesPerCopy * scene.saved.geometries().size();
+    return Hits{std::move(rays.shape), std::move(hits), facesPerCopy, faces};
   });
 }
 

@@ -17,7 +17,7 @@ int run(int argc, char** argv)
   if (!options)
     return 0;
   cbvh::installCancelHandler();
-  cbvh::endSoonAfterCancel("cbvh_render");
+  cbvh::forceExitAfterCancel("cbvh_render");
   cbvh::prepareOutputFolder(options->output);
   if (!options->loadPath.empty())
   {

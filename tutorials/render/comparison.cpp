@@ -82,9 +82,9 @@ public:
     std::optional<BuiltScene> grid;
     for (const Representation& r : plan.built)
       if (r.kind == RepresentationKind::Grid)
-        examine(grid.emplace(model, r, build), nullptr);
+        measure(grid.emplace(model, r, build), nullptr);
       else
-        examine(BuiltScene(model, r, build), grid ? &*grid : nullptr);
+        measure(BuiltScene(model, r, build), grid ? &*grid : nullptr);
     if (Result* result = find(RepresentationKind::Grid))
       finishGrid(*grid, *result);
     describe();
@@ -93,7 +93,7 @@ public:
 
 private:
   /* `grid` is null without GRID, and for GRID itself. */
-  void examine(const BuiltScene& scene, const BuiltScene* grid)
+  void measure(const BuiltScene& scene, const BuiltScene* grid)
   {
     const RepresentationKind kind = scene.representation().kind;
     const std::vector<SurfaceHit> hits = traceClosest(scene, primary, threads);
@@ -110,7 +110,7 @@ private:
       addToReference(hits, kind);
     if (kind != RepresentationKind::Grid && !reference.empty() && !isReferenceItself(kind))
       result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
-    writeOthers(scene, hits, result.errors.has_value());
+    writeErrorsAndAmbient(scene, hits, result.errors.has_value());
     if (!options.savePath.empty())
       scene.save(options.savePath);
     if (kind == RepresentationKind::CVert && !options.exportPath.empty())
@@ -201,7 +201,7 @@ private:
       compareToTrueSurface({model, *surfaces, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
   }
 
-  void writeOthers(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
+  void writeErrorsAndAmbient(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": files");

@@ -14,11 +14,11 @@ namespace {
 /* The same for every representation: fitted to a GRID at a level that is fast to build. */
 Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
-  constexpr size_t mostQuads = 4000000;
+  constexpr size_t maxQuads = 4000000;
   BuildSettings coarse = options.build;
   if (model.isMesh)
     coarse.level = 0; // meshes have no other levels
-  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
+  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > maxQuads)
     coarse.level--;
   coarse.device = "cpu";
   coarse.name = "view";

@@ -88,7 +88,7 @@ void exactRow(Table& table, const Comparison& c)
 {
   if (contains(c, RepresentationKind::CLeaf))
     table.row("quads stored as cVERT, %", [](const Result& r) {
-      return r.representation.hasFallbackFaces() ? number(100.0 * r.build.exactShare(), 1) : none;
+      return r.representation.hasFallbackFaces() ? number(100.0 * r.build.fallbackFraction(), 1) : none;
     });
 }
 
@@ -236,7 +236,7 @@ void addTrueErrors(Table& table)
   trueRow(table, "- max", [](const TrueErrors& e) { return number(e.max, 2); });
   trueRow(table, "- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
   trueRow(table, "- p99, world units", [](const TrueErrors& e) { return scientific(e.p99World); });
-  trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.apart); });
+  trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.farOff); });
   trueRow(table, "- bias along the ray without these", [](const TrueErrors& e) { return number(e.bias, 4); });
   addNormalsAndParameters(table, &Result::trueErrors);
 }

@@ -57,17 +57,17 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
   return speeds;
 }
 
-/* `given` is null to fit a camera to the scene. */
-void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up,
+/* `fixed` is null to fit a camera to the scene. */
+void render(const Options& options, const std::string& file, const std::string& name, const Camera* fixed, Vec3f up,
             nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, threads, options.build.isa);
-  const Model box = given ? Model() : boxModel(name, scene.bounds(), options.scene.up);
-  const Camera camera = given ? *given : chooseCamera(options.view, box, scene, options.size, threads);
+  const Model box = fixed ? Model() : boxModel(name, scene.bounds(), options.scene.up);
+  const Camera camera = fixed ? *fixed : chooseCamera(options.view, box, scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
-  SampledPicture picture(camera, options.crop, given ? up : box.view.up, options.colors);
+  SampledPicture picture(camera, options.crop, fixed ? up : box.view.up, options.colors);
   std::vector<Ray> firstRays;
   std::vector<SurfaceHit> firstHits;
   double pictureSeconds = 0;

@@ -23,8 +23,8 @@ constexpr int octaves = 7;
 /* Index in a raster of n samples of sample i in a sequence of mirrored copies. */
 int mirrored(int i, int n)
 {
-  const int period = 2 * (n - 1), place = i % period;
-  return place < n ? place : period - place;
+  const int period = 2 * (n - 1), index = i % period;
+  return index < n ? index : period - index;
 }
 
 /* OpenImageIO would wait for a pipe's writer. */
@@ -56,7 +56,7 @@ float unitOf(OIIO::TypeDesc type)
 Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 {
   requireNoPipe(settings.path);
-  noteInputFile(settings.path);
+  recordInputFile(settings.path);
   const auto native = OIIO::ImageInput::open(settings.path);
   OIIO::ImageSpec spec;
   if (!native || !image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
@@ -116,9 +116,9 @@ std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned thr
       for (int column = 0; column < w; column++)
       {
         const int x = x0 + column, y = y0 + int(row);
-        const size_t place = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
+        const size_t index = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
             + size_t(mirrored(x, sourceWidth));
-        heights[row * size_t(w) + size_t(column)] = rows[place]
+        heights[row * size_t(w) + size_t(column)] = rows[index]
             + (isRepeated && settings.detail > 0 ? noiseAt(x, y) : 0);
       }
   });

@@ -9,38 +9,38 @@ namespace cbvh {
 namespace {
 
 /* Takes rows from the top; at least one pixel remains. */
-Rectangle takeRows(Rectangle& rest, int rows)
+Rectangle splitRows(Rectangle& rest, int rows)
 {
-  const Rectangle taken{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};
-  rest.y += taken.height;
-  rest.height -= taken.height;
-  return taken;
+  const Rectangle part{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};
+  rest.y += part.height;
+  rest.height -= part.height;
+  return part;
 }
 
-Rectangle takeColumns(Rectangle& rest, int columns)
+Rectangle splitColumns(Rectangle& rest, int columns)
 {
-  const Rectangle taken{rest.x, rest.y, columns, rest.height};
+  const Rectangle part{rest.x, rest.y, columns, rest.height};
   rest.x += columns;
   rest.width -= columns;
-  return taken;
+  return part;
 }
 
 } // namespace
 
-WindowLayout layOut(ImageSize window, PanelState panel, bool split)
+WindowLayout computeLayout(ImageSize window, PanelState panel, bool split)
 {
   WindowLayout layout;
   layout.picture = {0, 0, window.width, window.height};
   if (panel == PanelState::Hidden)
     return layout;
   if (panel == PanelState::Folded)
-    layout.panel = takeRows(layout.picture, barHeight);
+    layout.panel = splitRows(layout.picture, barHeight);
   else if (window.width >= 2 * panelWidth)
-    layout.panel = takeColumns(layout.picture, panelWidth);
+    layout.panel = splitColumns(layout.picture, panelWidth);
   else
-    layout.panel = takeRows(layout.picture, window.height / 2);
+    layout.panel = splitRows(layout.picture, window.height / 2);
   if (split)
-    layout.captions = takeRows(layout.picture, barHeight);
+    layout.captions = splitRows(layout.picture, barHeight);
   return layout;
 }
 

@@ -33,6 +33,6 @@ struct WindowLayout
 constexpr int panelWidth = 300, barHeight = 19; // fit the panel's text
 
 /* The panel is on the left of a wide window, otherwise above the picture. The window must be at least 1 x 1. */
-WindowLayout layOut(ImageSize window, PanelState panel, bool split);
+WindowLayout computeLayout(ImageSize window, PanelState panel, bool split);
 
 } // namespace cbvh

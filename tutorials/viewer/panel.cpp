@@ -94,7 +94,7 @@ constexpr ImGuiWindowFlags overlayFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWin
 
 WindowLayout Panel::layout(ImageSize window) const
 {
-  return layOut(window, state(), viewer.panes().size() == 2);
+  return computeLayout(window, state(), viewer.panes().size() == 2);
 }
 
 void Panel::draw()

@@ -97,7 +97,7 @@ void SceneStore::makeRoom(const SceneKey& key)
 
 void SceneStore::start()
 {
-  if (worker.busy() || !error.empty())
+  if (worker.hasTask() || !error.empty())
     return;
   for (const SceneKey& key : requested)
   {
@@ -138,17 +138,17 @@ std::unique_ptr<BuiltScene> SceneStore::build(const SceneKey& key) const
 void SceneStore::poll()
 {
   if (current && worker.finished())
-    take();
+    addBuilt();
   start();
 }
 
-void SceneStore::take()
+void SceneStore::addBuilt()
 {
   const SceneKey key = *current;
   current.reset();
   try
   {
-    worker.take();
+    worker.join();
     if (built->report().quads == 0)
       throw Error(model.name + ": Embree tessellates no face of this cage: expected faces that are neither holes nor "
                   "invalid");

@@ -77,7 +77,7 @@ private:
 
   bool isRequested(const SceneKey& key) const;
   void start();
-  void take();
+  void addBuilt();
   void makeRoom(const SceneKey& key);
   std::unique_ptr<BuiltScene> build(const SceneKey& key) const;
 

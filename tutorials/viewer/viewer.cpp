@@ -97,13 +97,13 @@ void Viewer::load()
   worker.start("loading " + nameOf(beingLoaded), [this, source = beingLoaded] { loaded = loadModel(source, options); });
 }
 
-void Viewer::takeLoaded()
+void Viewer::addLoaded()
 {
   loading = false;
   std::string failure;
   try
   {
-    worker.take();
+    worker.join();
     showLoaded();
   }
   catch (const Canceled&)
@@ -156,10 +156,10 @@ void Viewer::showLoaded()
 void Viewer::update()
 {
   if (loading && worker.finished())
-    takeLoaded();
+    addLoaded();
   if (document)
     document->store.poll();
-  if (toLoad && !worker.busy())
+  if (toLoad && !worker.hasTask())
     load();
   followCamera();
   if (document && shown != requested && (isPreview() || !findPanes(requested, *document).empty()))
@@ -322,8 +322,8 @@ void Viewer::setSplit(bool split)
 
 void Viewer::moveSplit(float position)
 {
-  constexpr float rim = 0.02f; // within reach of the mouse
-  splitPosition = std::clamp(position, rim, 1.0f - rim);
+  constexpr float margin = 0.02f; // within reach of the mouse
+  splitPosition = std::clamp(position, margin, 1.0f - margin);
 }
 
 void Viewer::setTime(float time)
@@ -415,7 +415,7 @@ void Viewer::setUp(const std::string& axis)
   if (!viewpoint || axis == upAxis)
     return;
   upAxis = axis;
-  hints = turnedFromY(turnedToY(document->model().view, document->model().up), axis);
+  hints = rotatedFromY(rotatedToY(document->model().view, document->model().up), axis);
   const Camera camera = viewpoint->camera(size);
   viewpoint.emplace(camera, hints.up);
   frame(hints);

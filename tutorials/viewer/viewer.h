@@ -117,7 +117,7 @@ public:
 private:
   const SceneSettings& latestSource() const; // may not be loaded yet
   void load();
-  void takeLoaded();
+  void addLoaded();
   void showLoaded();
   void frame(const ViewHints& from);
   void checkFile();

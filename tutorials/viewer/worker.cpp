@@ -33,7 +33,7 @@ void Worker::start(const std::string& what, std::function<void()> work)
 
 void Worker::cancel()
 {
-  if (!busy())
+  if (!hasTask())
     return;
   cancelled = true;
   requestCancel();
@@ -41,10 +41,10 @@ void Worker::cancel()
 
 bool Worker::finished() const
 {
-  return busy() && task.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  return hasTask() && task.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void Worker::take()
+void Worker::join()
 {
   task.wait();
   const bool stopped = cancelled;
@@ -72,12 +72,12 @@ void Worker::take()
 
 void Worker::stop()
 {
-  if (!busy())
+  if (!hasTask())
     return;
   cancel();
   try
   {
-    take();
+    join();
   }
   catch (const Canceled&)
   {
@@ -93,7 +93,7 @@ void Worker::setPhase(const std::string& now, double done)
 
 std::optional<Worker::Progress> Worker::progress() const
 {
-  if (!busy())
+  if (!hasTask())
     return std::nullopt;
   if (cancelled)
     return Progress{"stopping: " + name, "", 0};

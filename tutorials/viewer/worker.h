@@ -29,17 +29,17 @@ public:
   /* `name` is for progress(). Requires that there is no task. */
   void start(const std::string& name, std::function<void()> work);
 
-  /* True until take(), even after the task has ended. */
-  bool busy() const { return task.valid(); }
+  /* True until join(), even after the task has ended. */
+  bool hasTask() const { return task.valid(); }
 
-  /* Makes the task end early and take() throw Canceled. Does nothing without a task. */
+  /* Makes the task end early and join() throw Canceled. Does nothing without a task. */
   void cancel();
 
   bool finished() const;
   void wait() const { task.wait(); }
 
   /* Waits, and rethrows the task's exception. */
-  void take();
+  void join();
 
   /* Cancels the task, if any, and waits for its end. */
   void stop();

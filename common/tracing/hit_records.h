@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hits exactly as Embree reports them. */
+/* Hits as Embree reports them, to compare two libraries. */
 
 #include "building/traced_scene.h"
 #include "tracing/trace_timing.h"
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-struct KeptHit
+struct HitRecord
 {
   bool hit = false; // the only valid member for misses and any-hit queries
   unsigned geometry = 0, primitive = 0, instance = 0;
@@ -21,7 +21,8 @@ struct KeptHit
 };
 
 /* Traces the rays once, otherwise as timeTrace. Not for Vulkan devices. Throws Canceled. */
-std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
+std::vector<HitRecord> recordHits(const TracedScene& scene, const std::vector<Ray>& rays,
+                                  const TraceSettings& settings);
 
 /* Rays with different hits in two libraries, each counted under its first difference. */
 struct HitDifferences
@@ -36,6 +37,6 @@ struct HitDifferences
 };
 
 /* Both arguments belong to the same rays. */
-HitDifferences compareKeptHits(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b);
+HitDifferences compareHitRecords(const std::vector<HitRecord>& a, const std::vector<HitRecord>& b);
 
 } // namespace cbvh

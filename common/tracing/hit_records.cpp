@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "tracing/kept_hits.h"
+#include "tracing/hit_records.h"
 #include "basics/parallel.h"
 #include "tracing/trace_kernels.h"
 
@@ -13,7 +13,7 @@ namespace {
 /* Embree does not write to rays that miss. */
 struct HitStore
 {
-  KeptHit* hits;
+  HitRecord* hits;
 
   void closest(size_t i, const RTCRayHit& ray)
   {
@@ -37,12 +37,12 @@ bool same(float a, float b)
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 
-bool sameIds(const KeptHit& a, const KeptHit& b)
+bool sameIds(const HitRecord& a, const HitRecord& b)
 {
   return a.geometry == b.geometry && a.primitive == b.primitive && a.instance == b.instance;
 }
 
-bool sameSurface(const KeptHit& a, const KeptHit& b)
+bool sameSurface(const HitRecord& a, const HitRecord& b)
 {
   return same(a.u, b.u) && same(a.v, b.v) && same(a.normal.x, b.normal.x) && same(a.normal.y, b.normal.y) &&
          same(a.normal.z, b.normal.z);
@@ -50,19 +50,20 @@ bool sameSurface(const KeptHit& a, const KeptHit& b)
 
 } // namespace
 
-std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
+std::vector<HitRecord> recordHits(const TracedScene& scene, const std::vector<Ray>& rays,
+                                  const TraceSettings& settings)
 {
-  std::vector<KeptHit> hits(rays.size());
+  std::vector<HitRecord> hits(rays.size());
   const Kernel<HitStore> kernel = kernelOf<HitStore>(settings.mode, settings.query);
   parallelFor(rays.size(), traceChunk, settings.threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
+    const FlushDenormals denormals;
     RTCIntersectContext context = traceContext(settings.coherent);
     kernel(scene.handle(), context, &rays[begin], end - begin, {&hits[begin]});
   });
   return hits;
 }
 
-HitDifferences compareKeptHits(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b)
+HitDifferences compareHitRecords(const std::vector<HitRecord>& a, const std::vector<HitRecord>& b)
 {
   HitDifferences found;
   found.rays = a.size();
