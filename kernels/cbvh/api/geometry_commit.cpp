@@ -124,7 +124,7 @@ namespace embree
     {
       BuildScope::requireNotBuilding(geometry);
       SurfaceState& surface = geometry->surface;
-      if (surface.isKept(geometry->modCounter_)) return false;
+      if (surface.areBlocksValid(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                        std::string(inputWasReleased) + ": set " + missing + " again before it is committed");

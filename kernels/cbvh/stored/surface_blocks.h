@@ -67,7 +67,7 @@ namespace embree
 
     /*! Sets the blocks of a geometry, unless a concurrent build of another scene did. Returns the geometry's blocks.
      *  Thread-safe. */
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
-                                                     const std::shared_ptr<const SurfaceBlocks>& blocks);
+    std::shared_ptr<const SurfaceBlocks> setBlocks (CompressibleGeometry* geometry,
+                                                    const std::shared_ptr<const SurfaceBlocks>& blocks);
   }
 }
