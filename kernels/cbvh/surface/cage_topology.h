@@ -127,7 +127,7 @@ namespace embree
             }
             own.owner = ownerOf(claim);
             claim = cornerClaim(e);
-            forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
+            forEachAtVertex(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
             own.cornerOwner = ownerOf(claim);
           });
       }
@@ -135,7 +135,7 @@ namespace embree
       /*! Calls closure for all half-edges, including e, that begin at e's vertex, belong to participating faces and can
        *  be reached by crossing edges. */
       template<typename Closure>
-      void forEachAround (const HalfEdge* e, const Closure& closure) const
+      void forEachAtVertex (const HalfEdge* e, const Closure& closure) const
       {
         const HalfEdge* a = e;
         do {

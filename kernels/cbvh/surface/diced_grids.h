@@ -49,7 +49,7 @@ namespace embree
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
       /*! Returns vertex k of side s, both numbered as in source.h. */
-      size_t onSide (int s, unsigned k) const
+      size_t sideVertex (int s, unsigned k) const
       {
         switch (s) {
         case 0 : return this->vertex(k,0);

@@ -23,7 +23,7 @@ namespace embree
     /*! camera: must be valid. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
-          pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outsideFactor),
+          pixelSize(double(camera.pixelSize)*camera.quadSize), outsideFactor(camera.outsideFactor),
         hasPicture(camera.width > 0.0 && camera.height > 0.0)
     {
       for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
@@ -81,19 +81,19 @@ namespace embree
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
-      double radius = 0.0, beyond = 0.0;
+      double radius = 0.0, distanceOutside = 0.0;
       for (int i=0; i<4; i++) radius = max(radius,sqr_length(corners[i]-center));
       radius = std::sqrt(radius);
-      for (int i=0; i<4; i++) beyond = max(beyond,dot(normals[i],center-eye)-offsets[i]-radius);
+      for (int i=0; i<4; i++) distanceOutside = max(distanceOutside,dot(normals[i],center-eye)-offsets[i]-radius);
       const double scale = orthographic ? 4.0*size : std::sqrt(sqr_length(center-eye));
-      return beyond > 0.0 ? 1.0 + (outside-1.0)*min(1.0,1.15*beyond/scale) : 1.0;
+      return distanceOutside > 0.0 ? 1.0 + (outsideFactor-1.0)*min(1.0,1.15*distanceOutside/scale) : 1.0;
     }
 
     static double sqr_length (const Double3& v) { return dot(v,v); }
 
     Double3 eye;
     bool orthographic;
-    double pixelSize, outside;
+    double pixelSize, outsideFactor;
     bool hasPicture;
     double transform[12];
     double size = 0.0;    //!< half of the picture's longer side, in world units at distance 1

@@ -40,8 +40,8 @@ namespace embree
   }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
-  /*! GRID's grids of a moving cage. still: bytes at one time step. */
-  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) {
-    return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4));
+  /*! GRID's grids of a moving cage. bytesOfStep: bytes at one time step. */
+  inline size_t bytesOfMovingGrids (size_t bytesOfStep, unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? bytesOfStep : size_t(double(bytesOfStep)*(0.85*numTimeSteps-0.4));
   }
 }

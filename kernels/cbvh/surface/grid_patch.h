@@ -56,7 +56,7 @@ namespace embree
         int s;
         unsigned step, rate;
         SharedVertex operator[] (unsigned k) const {
-          return patch.borders.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step);
+          return patch.borders.sharedVertex(patch.grid.sideVertex(s,k),patch.latticeExponent(step),step);
         }
       };
       Side side (int s, unsigned step) const { return Side{ *this,s,step,quads[s & 1] }; }

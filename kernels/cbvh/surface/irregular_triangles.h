@@ -257,7 +257,7 @@ namespace embree
           }
         }
         const int exponent = choice.exponent(plan,0.0);
-        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.edge());
+        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.medianEdge());
         return exponent;
       }
 

@@ -48,12 +48,12 @@ namespace embree
       Entry add (const Positions& positions, size_t vertex)
       {
         const float* p = positions.position(vertex);
-        const uint64_t h = hashOf(p), mine = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
+        const uint64_t h = hashOf(p), added = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
         for (size_t at=h & mask(); ; at=(at+1) & mask())
         {
           const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
-          if (found == 0 && slot.exchange(found,mine,std::memory_order_relaxed)) return Entry(at);
+          if (found == 0 && slot.exchange(found,added,std::memory_order_relaxed)) return Entry(at);
           if (!isSame(positions,found,vertex,p,h)) continue;
           if (!(found & sharedBit)) slot.fetchOr(sharedBit,std::memory_order_relaxed);
           return Entry(at);
