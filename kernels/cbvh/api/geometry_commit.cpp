@@ -248,8 +248,8 @@ namespace embree
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
       std::atomic_store(&mesh->surface.regions,regions);
-      if (regions->numLeftOut)
-        printCommitLine(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " "
+      if (regions->numInvalid)
+        printCommitLine(mesh,std::to_string(regions->numInvalid) + " of " + std::to_string(mesh->size()) + " "
                         + primitives + " are left out because an index is out of range");
     }
     setDecision(mesh,isRequested,rejectionReason,primitives);

@@ -36,7 +36,7 @@ namespace embree
       bool isValid (size_t i) const { return grids.isValid(i); }
       bool isError (size_t i) const { return grids.isError(i); }
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
-      bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
+      bool getNumbers (size_t i, cbvh::QuadNumbers& out) const { return grids.getNumbers(i,out); }
 
       /*! Finds shared vertices and chooses all lattices. */
       template<typename Progress>

@@ -34,7 +34,7 @@ namespace embree
         for (int d=0; d<2; d++) quads[d] = this->grid.quads(d);
         for (int s=0; s<4; s++) rates[s] = float(quads[s & 1]);
         rate = rates;
-        if (borders.number(grid,scratch.numbers)) numbers = &scratch.numbers;
+        if (borders.getNumbers(grid,scratch.numbers)) numbers = &scratch.numbers;
       }
 
       GridPatch (const GridPatch& other, Scratch& scratch)
