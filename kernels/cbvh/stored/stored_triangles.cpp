@@ -143,7 +143,7 @@ namespace embree
         }
       }
 
-      /*! Finds the triangle of a hit by its primitive and parameters. Rounding can move these across an edge, so it
+      /*! Finds the triangle of a hit by its primitive and parameters. As rounding can move these across an edge, it
        *  accepts triangles near (u,v) and selects the one whose normal has the smallest angle with Ng, or the nearest
        *  one in parameter space if Ng is null. */
       class Search

@@ -71,8 +71,7 @@ namespace embree
 
     private:
       /*! Returns the spacing that max_error or maxPixelError requests, or the default. maxPixelError applies at the
-       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for vertices between
-       *  samples. */
+       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for other vertices. */
       double requestedSpacing (const CompressionPlan& plan, double defaultSpacing) const
       {
         const CompressionSettings& settings = plan.settings;

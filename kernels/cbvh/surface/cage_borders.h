@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Vertices on the borders of a cage's faces, by the rule in shared_border.h. Two faces evaluate a shared vertex some
- * ulps (units in the last place) apart, and far apart where normals differ or a height map jumps. cage_topology.h finds
- * the owners.
+/* Vertices on the borders of a cage's faces, by the rule in shared_border.h. Without it, two faces evaluate a shared
+ * vertex some ulps (units in the last place) apart, and far apart where normals differ or a height map jumps.
+ * cage_topology.h finds the owners.
  *
  * An n-gon (a face without four corners) has a patch at each corner. Only these patches share its center and the spokes
  * from there to the middles of its edges.
  *
- * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Points of
- * edges use 12 bytes each until the build ends. Evaluating the border of a small patch costs as much as the whole
- * patch, so small surfaces store all vertices for their blocks. */
+ * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices, 12 bytes each until the build
+ * ends, are evaluated twice. Evaluating the border of a small patch costs as much as the whole patch, so small surfaces
+ * cache all vertices for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -128,8 +128,8 @@ namespace embree
       static size_t edgeElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* `points` lists, for each half-edge in order: its corner and the interior of its edge if it owns them, then its
-       * spoke. The center of an n-gon follows the points of its last half-edge. For other half-edges, centerPoint() is
-       * the end of their points. */
+       * spoke; then, after the last half-edge of an n-gon, the center. For other half-edges, centerPoint() is the end
+       * of their points. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firstPoints[owner]; }

@@ -132,8 +132,8 @@ namespace embree
           });
       }
 
-      /*! Calls closure for all half-edges, including e, that begin at e's vertex, belong to participating faces and can
-       *  be reached by crossing edges. */
+      /*! Calls closure for all half-edges, e included, that begin at e's vertex, belong to participating faces and are
+       *  reached by crossing edges. */
       template<typename Closure>
       void forEachAtVertex (const HalfEdge* e, const Closure& closure) const
       {

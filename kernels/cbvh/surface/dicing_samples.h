@@ -88,10 +88,9 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! Sets each edge's number of quads, from n x n cells of samples. Divides the patch into up to 4 x 4 parts. A part
-     *  needs the quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement
-     *  are longer. Parts can be at different distances, so each edge gets the maximum of the adjacent half of the
-     *  patch. */
+    /*! Sets each edge's number of quads, from n x n cells of samples, grouped into up to 4 x 4 parts. A part needs the
+     *  quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement are longer.
+     *  As parts can be at different distances, an edge gets the maximum of the adjacent half of the patch. */
     void estimateEdges (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
@@ -108,7 +107,7 @@ namespace embree
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
-              // the cell is not finite, or contains the eye; its neighbors are sufficient
+              // not finite, or contains the eye; neighboring cells are sufficient
               if (!(u < maxSquared) || !(v < maxSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }

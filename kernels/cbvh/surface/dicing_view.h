@@ -4,7 +4,7 @@
 #pragma once
 
 /* Measures lengths in pixels, for dicing_samples.h: at their distance from a camera, but as if seen from the front.
- * Computes in doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
+ * Uses doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -75,9 +75,8 @@ namespace embree
       return sqr_length(e-t*d);
     }
 
-    /*! Factor of quad sizes outside of the picture. It grows continuously with the distance from the picture, so that
-     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border: 1.15 =
-     *  1/sin(60 degrees). */
+    /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
+     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;

@@ -98,8 +98,8 @@ namespace embree
         return true;
       }
 
-      /*! For StitchedVertices: calls closure for each edge between two border vertices, with the entries of its ends.
-       *  Skips edges of length 0. */
+      /*! For StitchedVertices: calls closure with the entries of both ends for each edge on the border. Skips edges of
+       *  length 0. */
       template<typename Closure>
       void forEachBorderEdge (size_t i, const Closure& closure) const
       {

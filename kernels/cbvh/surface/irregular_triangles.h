@@ -4,8 +4,8 @@
 #pragma once
 
 /* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Their vertices
- * are on one lattice per time step, except for vertices of triangles that this lattice would flip: these are on finer
- * lattices. They are found before any block is encoded, so that blocks agree on shared vertices. */
+ * are on one lattice per time step, or on finer ones if it would flip triangles. These exceptions are found before any
+ * block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -153,8 +153,8 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's vertices. Returns
-       *  the squared distance that the farthest corner moved. */
+      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's. Returns the
+       *  squared distance that the farthest corner moved. */
       double snapCorners (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -199,8 +199,8 @@ namespace embree
         return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
       }
 
-      /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. A triangle without
-       *  area at some steps can have area between them. */
+      /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. Without area at
+       *  some steps, it could still have area between them. */
       bool haveEqualCorners (uint32_t triangle) const
       {
         uint32_t ids[3];
@@ -261,8 +261,8 @@ namespace embree
         return exponent;
       }
 
-      /*! True if a lattice flips more than half of a sample of triangles. So many exceptions would take longer than the
-       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow: a block with exceptions has
+      /*! True if a lattice flips more than half of a sample of triangles: finding exceptions would take longer than the
+       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow, as one with exceptions has
        *  the finest spacing of its vertices anyway. */
       bool flipsMost (int exponent) const
       {
@@ -277,7 +277,7 @@ namespace embree
         return 2*flipped > samples;
       }
 
-      /*! Finds the primitives of a task that rays can hit, and writes their centers. */
+      /*! Finds the primitives of a task that rays can hit. */
       void findHittable (size_t task, TaskResult& out)
       {
         const size_t begin = task*perTask, end = min(begin+perTask,numPrimitives());
@@ -316,8 +316,8 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! Refines lattices until no triangle flips; a vertex on a finer lattice can flip other triangles. One thread
-       *  changes the lattices, in a fixed order, so that results do not depend on threads. */
+      /*! Refines lattices until no triangle flips, as a vertex on a finer lattice can flip other triangles. One thread
+       *  changes the lattices, in a fixed order: results do not depend on threads. */
       template<typename Progress>
       void refineUntilNoneFlips (std::vector<TaskResult>& found, const Progress& progress)
       {
@@ -368,7 +368,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Primitives that can be hit, with the centers of their bounds. Set by prepare(). Users may reorder them. */
+      /*! Primitives that can be hit, set by prepare(), with the centers of their bounds. Users may reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

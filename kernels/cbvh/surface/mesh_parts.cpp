@@ -11,7 +11,7 @@ namespace embree
 {
   namespace
   {
-    /*! Moves quads to the irregular primitives if their region needs less memory in mesh blocks. */
+    /*! Moves the quads of regions that need less memory in mesh blocks to the irregular primitives. */
     template<typename Mesh>
     void moveToMeshBlocks (const Mesh* mesh, QuadRegions& parts)
     {
@@ -23,7 +23,7 @@ namespace embree
         if (isMoved.back()) numMoved += size_t(region.width)*region.height;
       }
       // If most quads are irregular, the others are regular by accident. In CAD models, such grids took more bytes than
-      // estimated, and slowed rays. They stay grids only if at least their numbers do not make them larger.
+      // estimated, and slowed rays. They stay grids only if they are smaller even with their tables of numbers.
       if (2*numMoved > parts.quads.size())
       {
         cbvh::QuadNumbers numbers;
@@ -62,8 +62,8 @@ namespace embree
       std::sort(parts.irregular.begin(),parts.irregular.end());
     }
 
-    /*! A moving mesh is stored entirely in grids if these need at most three quarters of Embree's bytes, by an
-     *  estimate. Otherwise it is stored entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
+    /*! Stores a moving mesh entirely in grids if these need at most an estimated three quarters of Embree's bytes,
+     *  otherwise entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

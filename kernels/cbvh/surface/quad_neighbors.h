@@ -59,8 +59,8 @@ namespace embree
       unsigned form;
     };
 
-    /*! A quad that begins at the same vertex as a quad with a lower number, which the table contains instead. first:
-     *  that vertex. second: another vertex that it shares with a neighbor. */
+    /*! A quad that is not in the table, because a quad with a lower number begins at the same vertex. first: that
+     *  vertex. second: another vertex that it shares with a neighbor. */
     struct ExtraQuad
     {
       unsigned first, second, quad;
@@ -91,7 +91,7 @@ namespace embree
     }
 
     /*! Copies all corners, because later steps read them repeatedly and in the order of neighbors. Returns false if no
-     *  quad is valid, or if the table of vertices would have more than 16 entries per quad. */
+     *  quad is valid, or if the table would have more than 16 entries per quad. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
@@ -182,8 +182,8 @@ namespace embree
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,extraAbove,found); }
 
     /*! True if at least a quarter of a sample of quads is regular: their right and upper neighbors share a neighbor.
-     *  Sets formsDiffer if more than twice as many are regular when neighbors may have different forms. Numbers of
-     *  triangles must then fit into 30 bits, next to 2 bits for a turn. */
+     *  Sets formsDiffer if more than twice as many are regular with neighbors of different forms; numbers of triangles
+     *  must then fit into 30 bits, next to 2 bits for a turn. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
@@ -219,7 +219,7 @@ namespace embree
         });
     }
 
-    /*! Stores a neighbor of a quad, and the quad as the opposite neighbor unless one with a lower number is stored. */
+    /*! Stores a neighbor of a quad, and the lowest such quad as the opposite neighbor. */
     void setNeighbor (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;

@@ -15,17 +15,17 @@ namespace embree
   {
     /*! Finds regions greedily. A quad is free until it is in a region. A region grows from a seed to the right and up,
      *  by a column or row at a time, as square as it can. The first seeds are corners: quads without a free quad on the
-     *  left or below. Large regions are added first, so that a row of quads at a pole does not separate the columns
-     *  above it.
+     *  left or below. Large regions come first, so that a row of quads at a pole does not separate the columns above
+     *  it.
      *
-     *  Other seeds first move left and down until the next quad is not free. The position of a region is then the same
-     *  for each of its quads as seed, and closed meshes, which have no corners, are filled too. */
+     *  Other seeds first move left and down until the next quad is not free. A region then does not depend on which of
+     *  its quads is the seed, and closed meshes, which have no corners, are filled too. */
     class RegionFinder
     {
     public:
       RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
-      /*! Adds all quads: first regions of at least 16 quads per side, then of minRegionSide, then all others. */
+      /*! Assigns all quads, first to regions of at least 16 quads per side, then of minRegionSide, then of any size. */
       void run ()
       {
         cbvh::resizeToFit(flags,neighbors.size());
@@ -46,8 +46,7 @@ namespace embree
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
       /*! The bits above USED are the last pass in which a region that began here was too small. Unless seeds are
-       *  corners, all quads of such a region get the pass, so that a pass visits each quad once, even in narrow
-       *  strips. */
+       *  corners, all quads of such a region get the pass, so that it visits each quad once, even in narrow strips. */
       enum Flags : uint8_t { USED = 1, PASS = 2 };
       /*! EDGES: quads without a free quad on the left, or without one below. */
       enum Seeds { CORNERS, EDGES, ALL };
@@ -175,8 +174,8 @@ namespace embree
         return true;
       }
 
-      /*! Steps that all seeds together may move, per quad of the mesh. Otherwise each quad of a long strip could be a
-       *  seed that moves along it. */
+      /*! Steps that all seeds together may move, per quad of the mesh, as each quad of a long strip could move along
+       *  it. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& neighbors;
@@ -191,8 +190,8 @@ namespace embree
     };
 
     /*! Pairs triangles that follow each other in the index buffer. firsts: set to the first triangles of pairs; empty
-     *  if all pairs are triangles 2i and 2i+1. Returns false if less than half of a sample of triangles shares an edge
-     *  with the next or previous one. */
+     *  if these are all triangles 2i. Returns false if less than half of a sample of triangles shares an edge with the
+     *  next or previous one. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
@@ -316,8 +315,8 @@ namespace embree
     size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
 
     /*! Finds regions by vertex indices and by welded vertices, and returns the smaller result. Tries indices first,
-     *  unless there are far more vertices than quads: then each quad may have its own vertices. Welding can need more
-     *  bytes, if an application numbered quads region by region, without sharing vertices between regions. */
+     *  unless there are so many vertices that each quad may have its own. Welding can need more bytes, if an
+     *  application numbered quads region by region, without sharing vertices between regions. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {

@@ -67,9 +67,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10; digits are u and
-       *  v. turns: set to the corners with which the triangles begin (quad_numbers.h). Returns false if they share no
-       *  edge. */
+      /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). turns: set to the
+       *  corners with which the triangles begin (quad_numbers.h). Returns false if they share no edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -130,8 +129,8 @@ namespace embree
     /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad, in sum 16 per
-     *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad: 16 per quad for
+     *  3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh

@@ -55,8 +55,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Returns where grids store a vertex. Ends of an edge can lie on other edges, which needs recursion; its depth
-       *  is limited, because overlapping grids can form a cycle. */
+      /*! Returns where grids store a vertex. Recursive, as ends of an edge can lie on other edges; depth is limited, as
+       *  overlapping grids can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -161,7 +161,7 @@ namespace embree
       }
 
       /*! True if a vertex at parameter s lies on the edge after parameter t, at all time steps. The application's
-       *  rounding may move it by 1e-5 of the edge, or by 4e-7 of its largest coordinate, about 3 ulps. */
+       *  rounding may move it by 1e-5 of the edge, or by about 3 ulps (4e-7) of its largest coordinate. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
         if (!(t < s && s < 1.0)) return false;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). Half-edge 3 t + e is edge e of triangle t, from
+/* Compiled once, for the lowest ISA (files.cmake). Half-edge 3 t + e is edge e of triangle t, from
  * corner e to the next corner. */
 
 #include "triangle_pairs.h"
@@ -108,7 +108,7 @@ namespace embree
       }
 
       /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
-       *  their vertices, because consecutive vertices are often near each other. */
+       *  their vertices, which often are near each other if consecutive. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -375,8 +375,8 @@ namespace embree
       }
 
       /*! True if at least a quarter of the triangles are inside of a regular part: all their vertices, and all adjacent
-       *  ones, have six triangles. CAD models have fewer where cylinders and fillets are narrow strips: the search
-       *  would take as long as the rest of the build, and its regions hardly reduce memory but slow rays. */
+       *  ones, have six triangles. In CAD models, where cylinders and fillets are narrow strips, the search would take
+       *  as long as the rest of the build, and its regions hardly reduce memory but slow rays. */
       bool hasWideParts ()
       {
         count([](unsigned) { return true; });
@@ -440,8 +440,8 @@ namespace embree
       cbvh::UnmonitoredVector<uint8_t> counts; //!< triangles per vertex, modulo 256
     };
 
-    /*! True if almost all sampled triangles of the mesh's first half share an edge with the corresponding triangle of
-     *  the second half. */
+    /*! True if almost all sampled triangles of the mesh's first half share an edge with the corresponding one of the
+     *  second. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
@@ -452,7 +452,7 @@ namespace embree
       return 16*joined >= 15*numSampled;
     }
 
-    /*! Pairs each triangle of the first half with the corresponding one of the second half, if they share an edge. */
+    /*! Pairs corresponding triangles of both halves that share an edge. */
     bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                      mvector<unsigned>& seconds)
     {
