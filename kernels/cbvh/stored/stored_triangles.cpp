@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). */
-
 #include "stored_triangles.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"

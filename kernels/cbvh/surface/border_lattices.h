@@ -100,7 +100,6 @@ namespace embree
       unsigned minQuads[2] = { ~0u,~0u };
     };
 
-    /*! Lattices of all primitives, and of the elements that they share. */
     class BorderLattices
     {
     public:
@@ -190,7 +189,6 @@ namespace embree
         return bounds.empty() ? 0.0 : length(bounds.size());
       }
 
-      /*! Atomic maximum. */
       static void atomicMax (int8_t& exponent, int8_t value)
       {
         const cbvh::AtomicRef<int8_t> at(exponent);

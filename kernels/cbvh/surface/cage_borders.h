@@ -32,7 +32,6 @@ namespace embree
         : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firstPoints(mesh->device,0),
           points(mesh->device,0), firstCached(mesh->device,0), cached(mesh->device,0) {}
 
-      /*! Finds owners, evaluates their vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {

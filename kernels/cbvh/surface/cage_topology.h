@@ -42,7 +42,6 @@ namespace embree
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
-      /*! Computes the data of all half-edges. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {

@@ -18,7 +18,6 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h. */
     template<typename Grids>
     class GridBorders : public StoredBorders
     {
@@ -38,7 +37,6 @@ namespace embree
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
       bool getNumbers (size_t i, cbvh::QuadNumbers& out) const { return grids.getNumbers(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {

@@ -230,7 +230,6 @@ namespace embree
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
-      /*! Result of a task of prepare(). */
       struct TaskResult
       {
         size_t count = 0, numInvalid = 0;

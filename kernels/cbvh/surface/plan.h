@@ -56,7 +56,6 @@ namespace embree
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
 
-      /*! True if max_error determines frame levels. */
       bool boundsError () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;

@@ -15,7 +15,6 @@
 
 namespace embree
 {
-  /*! Result of NeighborFinder. */
   struct QuadNeighbors
   {
     enum : unsigned { none = ~0u };
@@ -129,7 +128,6 @@ namespace embree
         });
     }
 
-    /*! Atomic minimum. */
     static void atomicMin (unsigned& value, unsigned to)
     {
       const cbvh::AtomicRef<unsigned> slot(value);
@@ -137,7 +135,6 @@ namespace embree
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
-    /*! Fills the table `lowestQuadAt` and the lists of extra quads. */
     void buildTable ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {

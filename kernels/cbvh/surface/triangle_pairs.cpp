@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA (files.cmake). Half-edge 3 t + e is edge e of triangle t, from
- * corner e to the next corner. */
+/* Half-edge 3 t + e is edge e of triangle t, from corner e to the next corner. */
 
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
@@ -15,7 +14,6 @@ namespace embree
 {
   namespace
   {
-    /*! Pairs the triangles of a mesh. */
     class PairFinder
     {
     public:
@@ -142,12 +140,10 @@ namespace embree
         cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
       }
 
-      /*! Returns the decremented value. */
       static unsigned decrement (unsigned& count) {
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! Replaces counts by the ends of their ranges. */
       static void prefixSums (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
