@@ -85,7 +85,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
 {
   Random random(141);
   const size_t rounds = randomRounds(150);
-  size_t compressed = 0, primitives = 0, loose = 0;
+  size_t compressed = 0, primitives = 0, irregular = 0;
   for (size_t round = 0; round < rounds; round++) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     Device device("threads=2");
@@ -162,12 +162,12 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     }
     compressed++;
     primitives += there;
-    loose += stats.numIrregularQuads;
+    irregular += stats.numIrregularQuads;
   }
-  std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads loose\n", compressed, rounds, primitives,
-              loose);
+  std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads irregular\n", compressed, rounds,
+              primitives, irregular);
   EXPECT_GT(compressed, rounds/4);
-  EXPECT_GT(loose, 0u);
+  EXPECT_GT(irregular, 0u);
 }
 
 } // namespace

@@ -162,8 +162,8 @@ FUNCTIONS = (
     Entry("GridsOfGridMesh::isValid", 2, GRIDS),
     Entry("areSmallerAsBlocks", 2, GRIDS),
     # primitives of meshes that lie in no grid
-    Entry("IrregularTriangles::find", 2, ("loose_meshes",)),
-    Entry("MeshEncoder::encodeCluster", 2, ("loose_meshes", "random_meshes")),
+    Entry("IrregularTriangles::findHittable", 2, ("irregular_meshes",)),
+    Entry("MeshEncoder::encodeCluster", 2, ("irregular_meshes", "random_meshes")),
     Entry("shareBorder", 3, BORDERS, {
         "at < part . x0 [|| => &&]": "written parts are whole rows",
         "[- => +] part . x0": "written parts are whole rows",

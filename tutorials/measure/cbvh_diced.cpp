@@ -70,7 +70,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
               median(ours.seconds), median(ours.seconds) / median(embree.seconds), speed[0], speed[1], speed[2],
               100.0 * double(disagreements) / double(rays));
   if (s.numRawBlocks || s.numQuads != surface.numQuads() || s.numIrregularQuads)
-    std::printf("  (%zu of %zu blocks are raw, %zu quads are in blocks, %zu of them loose)\n", s.numRawBlocks,
+    std::printf("  (%zu of %zu blocks are raw, %zu quads are in blocks, %zu of them irregular)\n", s.numRawBlocks,
                 s.numBlocks, s.numQuads, s.numIrregularQuads);
   std::fflush(stdout);
 }

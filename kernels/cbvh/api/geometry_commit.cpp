@@ -124,7 +124,7 @@ namespace embree
     {
       BuildScope::requireNotBuilding(geometry);
       SurfaceState& surface = geometry->surface;
-      if (surface.isKept(geometry->modCounter_)) return false;
+      if (surface.areBlocksValid(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                        std::string(inputWasReleased) + ": set " + missing + " again before it is committed");
@@ -248,8 +248,8 @@ namespace embree
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
       std::atomic_store(&mesh->surface.regions,regions);
-      if (regions->numLeftOut)
-        printCommitLine(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " "
+      if (regions->numInvalid)
+        printCommitLine(mesh,std::to_string(regions->numInvalid) + " of " + std::to_string(mesh->size()) + " "
                         + primitives + " are left out because an index is out of range");
     }
     setDecision(mesh,isRequested,rejectionReason,primitives);

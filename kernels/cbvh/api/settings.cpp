@@ -48,7 +48,7 @@ namespace embree
   static bool parseSubdivAccel (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
-    if (lower == "cbvh") { compression = CompressionSettings::bestCompression; return true; }
+    if (lower == "cbvh") { compression = CompressionSettings::preferredCompression; return true; }
     return lower != "grid" && parseKind(lower,compression); // "grid" is Embree's GRID
   }
 
@@ -174,7 +174,7 @@ namespace embree
         if (key == "verbose") {} // environment.h reads it
         else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
-        else if (key == "1") compression = bestCompression;
+        else if (key == "1") compression = preferredCompression;
         else if (!parseKind(key,compression))
           invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }

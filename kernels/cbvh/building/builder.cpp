@@ -164,7 +164,7 @@ namespace embree
 
       void build (Surface& surface, std::unique_ptr<SurfaceBuilder>& builder)
       {
-        surface.blocks = cbvh::keepBlocks(surface.geometry,
+        surface.blocks = cbvh::setBlocks(surface.geometry,
           builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
         builder.reset();
       }
@@ -333,7 +333,7 @@ namespace embree
       std::atomic<size_t> done(0);
       const Number number = cbvh::numberOf(geometry);
       const CompressionPlan plan(geometry,*number);
-      cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,number,plan)->build([&](double primitives) {
+      cbvh::setBlocks(geometry,newSurfaceBuilder(geometry,number,plan)->build([&](double primitives) {
           done += size_t(primitives);
           if (settings.progress
             && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))

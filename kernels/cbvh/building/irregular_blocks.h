@@ -21,7 +21,7 @@ namespace embree
       IrregularBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
                    const CompressionPlan& plan, Device* device)
         : device(device), plan(plan), parts(parts),
-          triangles(mesh,parts->areAllIrregular ? nullptr : &parts->loose,plan,device) {}
+          triangles(mesh,parts->areAllIrregular ? nullptr : &parts->irregular,plan,device) {}
 
       size_t numPrimitives () const { return triangles.numPrimitives(); }
       size_t estimateBlocks () const {

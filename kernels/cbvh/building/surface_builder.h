@@ -64,7 +64,7 @@ namespace embree
           estimatedBlocks(source.estimateBlocks() + (this->irregular ? this->irregular->estimateBlocks() : 0)),
           perTask(source.perTask(isSmall())) {}
 
-      bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
+      bool isSmall () const override { return estimatedBlocks <= isa::maxPartBlocks; }
       bool isLarge () const override { return estimatedBlocks > 4096; }
 
       std::shared_ptr<const SurfaceBlocks> build (const Progress& progress) override
@@ -193,7 +193,7 @@ namespace embree
           for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();
           return;
         }
-        if (!blocks.memory.pool() || prims.size() <= isa::blocksOfPart) { blocks.parts = std::move(prims); return; }
+        if (!blocks.memory.pool() || prims.size() <= isa::maxPartBlocks) { blocks.parts = std::move(prims); return; }
         size_t nodes = 0;
         FastAllocator& memory = *blocks.memory.pool();
         blocks.root = isa::moveLargestNodes(isa::buildTree(memory,prims,[&] { progress(0.0); },nodes),nodes,memory);

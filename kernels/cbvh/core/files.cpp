@@ -39,7 +39,7 @@ namespace embree
           const auto asks = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
-          if (!blocks || !asks()) notCompressed();
+          if (!blocks || !asks()) throwNotCompressed();
           if (saved->state != unsigned(Geometry::State::COMMITTED))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: it changed since its last commit");

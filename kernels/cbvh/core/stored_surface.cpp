@@ -25,7 +25,7 @@ namespace embree
 
         explicit HeldBlocks (Geometry* held)
           : geometry(held), blocks(compressible(held) ? cbvh::blocksOf(compressible(held)) : nullptr) {
-          if (!blocks) notCompressed();
+          if (!blocks) throwNotCompressed();
         }
       };
     }

@@ -41,7 +41,7 @@ namespace embree
     /*! True if blocks remain valid, because only the visibility changed since the last commit. A commit without a
      *  detected change rebuilds blocks, because the displacement function may return other values, unless the input was
      *  released. */
-    bool isKept (unsigned modCounter) const {
+    bool areBlocksValid (unsigned modCounter) const {
       return (visibilityChanged || (inputReleased && blocks)) && !changed
         && modCounter - committedModCounter == visibilityChanges;
     }

@@ -34,7 +34,7 @@ namespace embree
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
      *  more exact than cLEAF. cVOXEL may be smaller, but its boxes cannot be shaded. */
-    static const RTCCompression bestCompression = RTC_COMPRESSION_CVERT;
+    static const RTCCompression preferredCompression = RTC_COMPRESSION_CVERT;
 
     /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
     void parseEnvironment ();

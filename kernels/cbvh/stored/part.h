@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Triangles and parts of a surface as it is stored, as plain data without Embree. The results of stored_triangles.h. */
+/* Triangles and parts of a surface as stored, the results of stored_triangles.h, as plain data without Embree. */
 
 #include <cstdint>
 

@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). */
-
 #include "stored_clusters.h"
 #include "../embree/scene.h"
 #include "../../cvert/clusters/compressed1.h"
@@ -18,14 +16,15 @@ namespace embree
   {
     namespace
     {
-      class Cutter
+      class ClusterBuilder
       {
       public:
-        Cutter (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
+        ClusterBuilder (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure,
+                        ClusterReport& report)
           : format(format), closure(closure), report(report) {}
 
         /*! Divides a part into clusters. Returns false if the closure returned false. */
-        bool cut (const StoredBlock& block, const StoredPart& part)
+        bool build (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
           reasonForFloats = block.isMesh() ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::RANGE
@@ -35,10 +34,10 @@ namespace embree
               : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {
-            bool goesOn = true;
-            if (cutIntoDgf(all,goesOn)) return goesOn;
+            bool shouldContinue = true;
+            if (tileWithDgf(all,shouldContinue)) return shouldContinue;
             return forEachSquare(all,[&](const QuadRectangle& square) {
-                return cutIntoDgf(square,goesOn) ? goesOn : emitFloats(square,reasonForFloats);
+                return tileWithDgf(square,shouldContinue) ? shouldContinue : emitFloats(square,reasonForFloats);
               });
           }
           return forEachSquare(all,[&](const QuadRectangle& square) { return emitVertices(square); });
@@ -60,7 +59,7 @@ namespace embree
         }
 
         /*! Finds the lattice of a rectangle's vertices. Returns false if their positions fit no lattice. */
-        bool place (LatticePoints& points, const QuadRectangle& rect) const {
+        bool findLattice (LatticePoints& points, const QuadRectangle& rect) const {
           return points.set(part->vertices + 3*(size_t(rect.y)*part->width + rect.x),part->width,
                               rect.width+1,rect.height+1);
         }
@@ -72,7 +71,7 @@ namespace embree
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
           LatticeSpan span;
-          if (place(points,square))
+          if (findLattice(points,square))
             for (uint32_t i=0; i<triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
           if (span.isEmpty() || !span.fits()) return emitFloats(square,reasonForFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
@@ -91,17 +90,18 @@ namespace embree
           return emit(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
         }
 
-        /*! Tiles a rectangle with blocks of DGF. goesOn: set to the result of the last closure. Returns false, without
-         *  calling the closure, if a quad does not fit into a block of DGF. */
-        bool cutIntoDgf (const QuadRectangle& rect, bool& goesOn)
+        /*! Tiles a rectangle with blocks of DGF. shouldContinue: set to the result of the last closure. Returns false,
+         *  without calling the closure, if a quad does not fit into a block of DGF. */
+        bool tileWithDgf (const QuadRectangle& rect, bool& shouldContinue)
         {
-          if (rect.width >= LatticePoints::maxSide || rect.height >= LatticePoints::maxSide || !place(points,rect))
+          if (rect.width >= LatticePoints::maxSide || rect.height >= LatticePoints::maxSide
+              || !findLattice(points,rect))
             return false;
           const dgf::Tiling tiling(points,rect.width,rect.height);
           if (!tiling.isPossible) return false;
           tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
               const QuadRectangle piece = { rect.x+x,rect.y+y,width,height };
-              if (goesOn) goesOn = emitDgf(rect,piece);
+              if (shouldContinue) shouldContinue = emitDgf(rect,piece);
             });
           return true;
         }
@@ -178,9 +178,9 @@ namespace embree
     void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
                          const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
     {
-      const std::unique_ptr<Cutter> cutter(new Cutter(format,closure,report));
+      const std::unique_ptr<ClusterBuilder> builder(new ClusterBuilder(format,closure,report));
       forEachPart(blocks,time,[&](const StoredBlock& block, const StoredPart& part) {
-          return cutter->cut(block,part);
+          return builder->build(block,part);
         });
     }
   }

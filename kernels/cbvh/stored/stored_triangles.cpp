@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). */
-
 #include "stored_triangles.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
@@ -48,14 +46,14 @@ namespace embree
 
       /*! Position of a block's quads in their patch, which determines parameters. Pairs of numbers are along u and
        *  v. */
-      struct Place
+      struct BlockPosition
       {
         uint32_t patchQuads[2], first[2], quads[2];
         float corner[2];   //!< corner of the patch, in parameters of the face
-        bool isCut;        //!< the block stores the rates of the patch's edges, which may be lower than patchQuads
+        bool hasEdgeRates; //!< the block stores the rates of the patch's edges, which may be lower than patchQuads
         VertEdges edges;
 
-        explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
+        explicit BlockPosition (const StoredBlock& stored) : hasEdgeRates(false), edges{ 0,0 }
         {
           if (stored.isVert())
           {
@@ -63,7 +61,7 @@ namespace embree
             patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
             first[0] = vertFirstX(block->region); first[1] = vertFirstY(block->region);
             quads[0] = vertQuadsX(block->region); quads[1] = vertQuadsY(block->region);
-            isCut = hasEdges(block->boxForm);
+            hasEdgeRates = hasEdges(block->boxForm);
             edges = edgesOf(block);
             corner[0] = 0.5f*float(vertCornerU(edges)); corner[1] = 0.5f*float(vertCornerV(edges));
             return;
@@ -78,21 +76,21 @@ namespace embree
         /*! Rate of a row (d = 0) or column (d = 1) of vertices: of the edge, on an edge of the patch, otherwise the
          *  number of quads. across: number of the row or column in the patch. */
         uint32_t rate (int d, uint32_t across) const {
-          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
-            : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
+          return hasEdgeRates && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
+            : hasEdgeRates && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
         }
       };
 
       /*! A decoded block of cVERT or cGRID whose quads belong to one primitive. */
       struct DecodedBlock
       {
-        const Place place;
+        const BlockPosition position;
         std::vector<std::array<float,3>> vertices;   //!< row by row
         std::vector<std::array<float,2>> parameters;
 
-        DecodedBlock (const StoredBlock& stored, const TraversalTime& time) : place(stored)
+        DecodedBlock (const StoredBlock& stored, const TraversalTime& time) : position(stored)
         {
-          const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
+          const uint32_t width = position.quads[0]+1, count = width*(position.quads[1]+1);
           vertices.resize(count);
           parameters.resize(count);
           if (stored.isVert())
@@ -103,9 +101,9 @@ namespace embree
               for (int k=0; k<3; k++) vertices[i][k] = planes[k*count+i];
           }
           for (uint32_t i=0; i<count; i++) {
-            const uint32_t x = place.first[0] + i%width, y = place.first[1] + i/width;
-            parameters[i][0] = place.corner[0] + vertParameter<float>(x,place.patchQuads[0],place.rate(0,y));
-            parameters[i][1] = place.corner[1] + vertParameter<float>(y,place.patchQuads[1],place.rate(1,x));
+            const uint32_t x = position.first[0] + i%width, y = position.first[1] + i/width;
+            parameters[i][0] = position.corner[0] + vertParameter<float>(x,position.patchQuads[0],position.rate(0,y));
+            parameters[i][1] = position.corner[1] + vertParameter<float>(y,position.patchQuads[1],position.rate(1,x));
           }
         }
       };
@@ -143,7 +141,7 @@ namespace embree
         }
       }
 
-      /*! Finds the triangle of a hit by its primitive and parameters. Rounding can move these across an edge, so it
+      /*! Finds the triangle of a hit by its primitive and parameters. As rounding can move these across an edge, it
        *  accepts triangles near (u,v) and selects the one whose normal has the smallest angle with Ng, or the nearest
        *  one in parameter space if Ng is null. */
       class Search
@@ -159,7 +157,7 @@ namespace embree
         {
           if (!isPresent(block,time)) return;
           if (block.isMesh()) searchMesh(block.mesh(),primID);
-          else if (block.numbersQuads()) searchByPrimitive(block.vert(),primID);
+          else if (block.areQuadsPrimitives()) searchByPrimitive(block.vert(),primID);
           else searchByParameters(block);
         }
 
@@ -169,7 +167,7 @@ namespace embree
         void searchByPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
-          slack = slackOf(u) + slackOf(v);
+          tolerance = roundingBound(u) + roundingBound(v);
           forEachQuad(block,[&](uint32_t x, uint32_t y) {
               const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),
                                                 vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
@@ -192,7 +190,7 @@ namespace embree
 
         void searchMesh (const MeshHeader* block, uint32_t primID)
         {
-          slack = slackOf(u) + slackOf(v);
+          tolerance = roundingBound(u) + roundingBound(v);
           forEachTriangle(block,time,[&](uint32_t number, const float (&corners)[3][3]) {
               if (primitiveOfMesh(block->form,number) != primID) return;
               const float* const p[3] = { corners[0],corners[1],corners[2] };
@@ -204,25 +202,26 @@ namespace embree
 
         void searchByParameters (const StoredBlock& block)
         {
-          const Place place(block);
-          double x[2], reach[2];
+          const BlockPosition position(block);
+          double x[2], margin[2];
           const float parameters[2] = { u,v };
           for (int d=0; d<2; d++)
           {
-            x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
-            reach[d] = slackOf(parameters[d])*place.patchQuads[d];
+            x[d] = (double(parameters[d]) - position.corner[d])*position.patchQuads[d] - position.first[d];
+            margin[d] = roundingBound(parameters[d])*position.patchQuads[d];
             /* vertices at edges of lower rates are stitched: parameters differ by up to one quad of these edges */
-            if (place.isCut)
-              reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
-            if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
+            if (position.hasEdgeRates)
+              margin[d] +=
+                double(position.patchQuads[d])/std::min(vertRate(position.edges,d),vertRate(position.edges,d+2));
+            if (!(x[d] >= -margin[d] && x[d] <= position.quads[d]+margin[d])) return;
           }
           const DecodedBlock decoded(block,time);
-          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]),
-            y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
-          slack = std::max(slackOf(u)*place.patchQuads[0],slackOf(v)*place.patchQuads[1]);
+          const uint32_t x0 = first(x[0]-margin[0]), x1 = last(x[0]+margin[0],position.quads[0]),
+            y0 = first(x[1]-margin[1]), y1 = last(x[1]+margin[1],position.quads[1]);
+          tolerance = std::max(roundingBound(u)*position.patchQuads[0],roundingBound(v)*position.patchQuads[1]);
           for (uint32_t j=y0; j<y1; j++)
             for (uint32_t i=x0; i<x1; i++) {
-              const uint32_t width = place.quads[0]+1, a = j*width + i;
+              const uint32_t width = position.quads[0]+1, a = j*width + i;
               const uint32_t corners[2][3] = { { a,a+1,a+width },{ a+width,a+1,a+width+1 } };
               for (const uint32_t (&triangle)[3] : corners) {
                 const float* p[3];
@@ -238,7 +237,7 @@ namespace embree
         }
 
         /*! Bound of a parameter's rounding error: a few roundings of values of at most 1 + |parameter|. */
-        static double slackOf (float parameter) {
+        static double roundingBound (float parameter) {
           return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter)));
         }
 
@@ -260,7 +259,7 @@ namespace embree
           const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
             w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
-          if (outside > slack) return;
+          if (outside > tolerance) return;
           const double cost = Ng ? angle(p) : outside;
           if (hasBest && cost >= bestCost) return;
           hasBest = true;
@@ -291,7 +290,7 @@ namespace embree
         const float* const Ng;
         StoredTriangle& best;
         bool hasBest = false;
-        double slack = 0,    //!< largest accepted distance from a triangle, in barycentric coordinates
+        double tolerance = 0,    //!< largest accepted distance from a triangle, in barycentric coordinates
           bestCost = 0;      //!< see addCandidate()
       };
     }
@@ -311,7 +310,7 @@ namespace embree
             for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++)
               add(primitiveOfMesh(block->form,view.number(g,t)),uint32_t(i));
         }
-        if (!blocks[i].numbersQuads()) continue;
+        if (!blocks[i].areQuadsPrimitives()) continue;
         forEachQuad(blocks[i].vert(),[&](uint32_t x, uint32_t y) {
             for (bool isSecond : { false,true }) add(primitiveOfQuad(blocks[i].vert(),x,y,isSecond).primID,uint32_t(i));
           });
@@ -323,9 +322,9 @@ namespace embree
     void BlockIndex::add (uint32_t primID, uint32_t block)
     {
       if (primID >= blockOf.size()) blockOf.resize(std::max(size_t(primID)+1,2*blockOf.size()),uint32_t(none));
-      uint32_t& known = blockOf[primID];
-      if (known == none) known = block;
-      else if (known != block) secondBlockOf.emplace_back(primID,block);
+      uint32_t& stored = blockOf[primID];
+      if (stored == none) stored = block;
+      else if (stored != block) secondBlockOf.emplace_back(primID,block);
     }
 
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
@@ -396,20 +395,20 @@ namespace embree
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
-      bool goesOn = true;
+      bool shouldContinue = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (!goesOn || !isPresent(block,time)) return;
-          if (block.isMesh()) { goesOn = forEachMeshPart(block,time,closure); return; }
+          if (!shouldContinue || !isPresent(block,time)) return;
+          if (block.isMesh()) { shouldContinue = forEachMeshPart(block,time,closure); return; }
           StoredPart part = StoredPart();
           part.primID = block.primID();
-          const Place place(block);
-          part.width = place.quads[0]+1;
-          part.height = place.quads[1]+1;
-          if (!block.numbersQuads()) {
+          const BlockPosition position(block);
+          part.width = position.quads[0]+1;
+          part.height = position.quads[1]+1;
+          if (!block.areQuadsPrimitives()) {
             const DecodedBlock decoded(block,time);
             part.vertices = decoded.vertices[0].data();
             part.parameters = decoded.parameters[0].data();
-            goesOn = closure(block,part);
+            shouldContinue = closure(block,part);
             return;
           }
           const uint32_t form = block.vert()->patchQuads;
@@ -422,7 +421,7 @@ namespace embree
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
           part.primitivesPerQuad = isTriangleForm(form) ? 2 : 1;
-          goesOn = closure(block,part);
+          shouldContinue = closure(block,part);
         });
     }
   }

@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). */
-
 #include "surface_blocks.h"
 #include "../base/kinds.h"
 #include "stored_triangles.h"
@@ -75,16 +73,16 @@ namespace embree
 
     void updateSurfaceIDs (Scene* scene)
     {
-      const bool isStill = hasCompressedGeometry(scene,false); // otherwise Embree traces them, and its grids store IDs
-      std::vector<std::pair<uint32_t,uint32_t>> names;
+      const bool hasStatic = hasCompressedGeometry(scene,false); // otherwise Embree's grids store IDs
+      std::vector<std::pair<uint32_t,uint32_t>> ids;
       for (size_t i=0; i<scene->size(); i++)
         for (bool moves : { false,true }) {
-          CompressibleGeometry* const geometry = isStill || moves ? geometryOfTree(scene->get(i),moves) : nullptr;
+          CompressibleGeometry* const geometry = hasStatic || moves ? geometryOfTree(scene->get(i),moves) : nullptr;
           if (geometry && geometry->size() != 0)
-            names.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
+            ids.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
         }
       Lock<MutexSys> lock(mutex);
-      scene->surfaceIDs.set(names);
+      scene->surfaceIDs.set(ids);
     }
 
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry)
@@ -93,8 +91,8 @@ namespace embree
       return geometry->surface.blocks;
     }
 
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
-                                                     const std::shared_ptr<const SurfaceBlocks>& blocks)
+    std::shared_ptr<const SurfaceBlocks> setBlocks (CompressibleGeometry* geometry,
+                                                    const std::shared_ptr<const SurfaceBlocks>& blocks)
     {
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
@@ -152,10 +150,10 @@ namespace embree
 
   const cbvh::BlockIndex& SurfaceBlocks::index () const
   {
-    if (const cbvh::BlockIndex* made = blockIndex) return *made;
-    const cbvh::BlockIndex* made = new cbvh::BlockIndex(*this), * other = nullptr;
-    if (blockIndex.compare_exchange_strong(other,made)) return *made;
-    delete made; // another thread has already built one
+    if (const cbvh::BlockIndex* built = blockIndex) return *built;
+    const cbvh::BlockIndex* built = new cbvh::BlockIndex(*this), * other = nullptr;
+    if (blockIndex.compare_exchange_strong(other,built)) return *built;
+    delete built; // another thread has already built one
     return *other;
   }
 }

@@ -36,7 +36,7 @@ namespace embree
     /*! BVH4::NodeRefs of the blocks of a moving surface, over which scenes build their trees. It has no parts. */
     mvector<size_t> moving;
     /*! Boxes of moving blocks at their steps, block by block. Null after the first build; later users decode the
-     *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
+     *  blocks. Use atomic_load and atomic_store, because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
     BBox3fa bounds;           //!< bounds of everything that rays can hit
@@ -67,7 +67,7 @@ namespace embree
 
     /*! Sets the blocks of a geometry, unless a concurrent build of another scene did. Returns the geometry's blocks.
      *  Thread-safe. */
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
-                                                     const std::shared_ptr<const SurfaceBlocks>& blocks);
+    std::shared_ptr<const SurfaceBlocks> setBlocks (CompressibleGeometry* geometry,
+                                                    const std::shared_ptr<const SurfaceBlocks>& blocks);
   }
 }

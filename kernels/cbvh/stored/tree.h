@@ -14,7 +14,7 @@ namespace embree
   namespace isa
   {
     /*! Maximum number of blocks in a part. */
-    static const size_t blocksOfPart = 16;
+    static const size_t maxPartBlocks = 16;
 
     /*! Counts the nodes of a tree whose leaves have Embree's barrier bit, and clears these bits. Without them, nodes of
      *  leaves that are subtrees would be counted too. */
@@ -62,33 +62,33 @@ namespace embree
     inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
     {
       const size_t count = numNodes/200;
-      struct Place
+      struct Candidate
       {
         BVH4::NodeRef* node;
         float area;
-        bool operator< (const Place& other) const { return area < other.area; }
+        bool operator< (const Candidate& other) const { return area < other.area; }
       };
-      std::vector<Place> places; // a heap
-      if (root.isAABBNode()) places.push_back(Place{ &root,0.0f });
-      for (size_t moved=0; moved < count && !places.empty(); moved++)
+      std::vector<Candidate> candidates; // a heap
+      if (root.isAABBNode()) candidates.push_back(Candidate{ &root,0.0f });
+      for (size_t numMoved=0; numMoved < count && !candidates.empty(); numMoved++)
       {
-        std::pop_heap(places.begin(),places.end());
-        const Place largest = places.back();
-        places.pop_back();
+        std::pop_heap(candidates.begin(),candidates.end());
+        const Candidate largest = candidates.back();
+        candidates.pop_back();
         BVH4::AABBNode* node = (BVH4::AABBNode*)
           memory.getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
         *node = *largest.node->getAABBNode();
         *largest.node = BVH4::encodeNode(node);
         for (size_t i=0; i<4; i++) {
           if (node->child(i) == BVH4::emptyNode || !node->child(i).isAABBNode()) continue;
-          places.push_back(Place{ &node->child(i),area(node->bounds(i)) });
-          std::push_heap(places.begin(),places.end());
+          candidates.push_back(Candidate{ &node->child(i),area(node->bounds(i)) });
+          std::push_heap(candidates.begin(),candidates.end());
         }
       }
       return root;
     }
 
-    /*! Divides a tree into parts: appends the largest subtrees with at most blocksOfPart leaves to `parts`. */
+    /*! Divides a tree into parts: appends the largest subtrees with at most maxPartBlocks leaves to `parts`. */
     class TreeCutter
     {
     public:
@@ -96,7 +96,7 @@ namespace embree
 
       void cut (BVH4::NodeRef root, const BBox3fa& bounds) {
         const size_t leaves = visit(root,bounds);
-        if (leaves <= blocksOfPart) parts.push_back(PrimRef(bounds,size_t(root)));
+        if (leaves <= maxPartBlocks) parts.push_back(PrimRef(bounds,size_t(root)));
       }
 
     private:
@@ -108,9 +108,9 @@ namespace embree
         const BVH4::AABBNode* node = ref.getAABBNode();
         size_t leaves[4], sum = 0;
         for (size_t i=0; i<4; i++) sum += leaves[i] = visit(node->child(i),node->bounds(i));
-        if (sum <= blocksOfPart) return sum;
+        if (sum <= maxPartBlocks) return sum;
         for (size_t i=0; i<4; i++)
-          if (leaves[i] && leaves[i] <= blocksOfPart) parts.push_back(PrimRef(node->bounds(i),size_t(node->child(i))));
+          if (leaves[i] && leaves[i] <= maxPartBlocks) parts.push_back(PrimRef(node->bounds(i),size_t(node->child(i))));
         return sum;
       }
 

@@ -17,7 +17,7 @@ namespace embree
   namespace cbvh
   {
     /*! Interpolates between two steps, rounding as vert/interpolation.h does for vectors. f: 0 to 1. */
-    inline float interpolated (float a, float b, float f, bool isFused)
+    inline float interpolate (float a, float b, float f, bool isFused)
     {
       const float last = f*b;
       return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
@@ -42,7 +42,7 @@ namespace embree
         const DecodedBlock after(block,in.segment+1);
         for (size_t i=0; i<bytes/sizeof(float); i++)
           (&vertices[0][0])[i] =
-            interpolated((&before.vertices[0][0])[i],(&after.vertices[0][0])[i],in.fraction,at.isFused);
+            interpolate((&before.vertices[0][0])[i],(&after.vertices[0][0])[i],in.fraction,at.isFused);
       }
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
@@ -87,7 +87,7 @@ namespace embree
         if (!after) return;
         float end[3];
         after->vertex(v,end);
-        for (int k=0; k<3; k++) out[k] = interpolated(out[k],end[k],fraction,isFused);
+        for (int k=0; k<3; k++) out[k] = interpolate(out[k],end[k],fraction,isFused);
       }
 
       const bool isFused;

@@ -38,12 +38,12 @@ namespace embree
     class LatticeChoice
     {
     public:
-      /*! ofEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for vertices that
-       *  were evaluated. */
-      explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
+      /*! spacingPerEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for vertices
+       *  that were evaluated. */
+      explicit LatticeChoice (double spacingPerEdge = 0) : spacingPerEdge(spacingPerEdge) {}
 
       /*! Call this once per patch. quads: along u and v. */
-      void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
+      void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) minQuads[d] = min(minQuads[d],quads[d]); }
 
       /*! Adds a row or column of vertices. isCoarse: a border with a lower rate, and so longer edges, than its patch;
        *  used only if there are no others. */
@@ -58,21 +58,21 @@ namespace embree
         double spacing = 0; // of the shorter sides, because quads can be much longer than wide
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
-          if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;
-          const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
-          if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
+          if (median > 0) lowerMedian = lowerMedian > 0 ? min(lowerMedian,median) : median;
+          const double spacingOfLines =
+            spacingPerEdge > 0 ? median*spacingPerEdge : cbvh::defaultSpacing(median,minQuads[d],diagonal);
+          if (spacingOfLines > 0) spacing = spacing > 0 ? min(spacing,spacingOfLines) : spacingOfLines;
         }
         return cbvh::latticeExponent(requestedSpacing(plan,spacing));
       }
 
       /*! Shorter median edge of u and v, or 0. Call exponent() first. */
-      double edge () const { return medianEdge; }
+      double medianEdge () const { return lowerMedian; }
 
     private:
       /*! Returns the spacing that max_error or maxPixelError requests, or the default. maxPixelError applies at the
-       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for vertices between
-       *  samples. */
-      double requestedSpacing (const CompressionPlan& plan, double byDefault) const
+       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for other vertices. */
+      double requestedSpacing (const CompressionPlan& plan, double defaultSpacing) const
       {
         const CompressionSettings& settings = plan.settings;
         double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
@@ -84,23 +84,22 @@ namespace embree
             double lower = INFINITY, upper = -INFINITY;
             for (const auto& along : samples)
               for (const cbvh::EdgeSample& s : along) { lower = min(lower,s.lower[k]); upper = max(upper,s.upper[k]); }
-            const double grow = 0.25*(upper-lower), c = settings.cameraPosition[k];
-            const double d = max(max(lower-grow-c,c-upper-grow),0.0);
+            const double margin = 0.25*(upper-lower), c = settings.cameraPosition[k];
+            const double d = max(max(lower-margin-c,c-upper-margin),0.0);
             distance2 += d*d;
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // cLEAF: max_error is for leaves
-        return spacing < INFINITY ? spacing : byDefault;
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,defaultSpacing); // cLEAF: max_error is for leaves
+        return spacing < INFINITY ? spacing : defaultSpacing;
       }
 
-      const double ofEdge;
-      double medianEdge = 0;
+      const double spacingPerEdge;
+      double lowerMedian = 0;
       cbvh::EdgeSample samples[2][2];   //!< [along u, v][at the patch's rate, on coarse borders]
-      unsigned fewest[2] = { ~0u,~0u };
+      unsigned minQuads[2] = { ~0u,~0u };
     };
 
-    /*! Lattices of all primitives, and of the elements that they share. */
     class BorderLattices
     {
     public:
@@ -128,7 +127,8 @@ namespace embree
                 if (!topology.addLines(i,step,scratch,choice)) continue;
                 const int exponent = choice.exponent(plan,diagonals[step]);
                 own[i*plan.numTimeSteps + step] = int8_t(exponent);
-                if (choice.edge() > 0) { spacings += std::ldexp(1.0,exponent); edges += choice.edge(); n++; }
+                const double edge = choice.medianEdge();
+                if (edge > 0) { spacings += std::ldexp(1.0,exponent); edges += edge; n++; }
               }
             progress();
             Lock<MutexSys> lock(mutex);
@@ -151,7 +151,7 @@ namespace embree
               topology.forEachShared(i,[&](size_t element, bool isTracedByGrid) {
                   int8_t* const at = &shared[element*plan.numTimeSteps];
                   for (unsigned step=0; step<plan.numTimeSteps; step++)
-                    raise(at[step],isTracedByGrid ? int8_t(ofGrid) : own[i*plan.numTimeSteps + step]);
+                    atomicMax(at[step],isTracedByGrid ? int8_t(tracedByGrid) : own[i*plan.numTimeSteps + step]);
                 });
             progress();
           });
@@ -166,11 +166,11 @@ namespace embree
       int ofShared (size_t element, unsigned step) const
       {
         const int exponent = shared[element*plan.numTimeSteps + step];
-        return exponent == ofGrid ? cbvh::exactLattice : exponent;
+        return exponent == tracedByGrid ? cbvh::exactLattice : exponent;
       }
 
     private:
-      enum { ofGrid = 127 }; //!< for no lattice, because GRID traces a primitive; greater than all exponents
+      enum { tracedByGrid = 127 }; //!< for no lattice, because GRID traces a primitive; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {
@@ -189,8 +189,7 @@ namespace embree
         return bounds.empty() ? 0.0 : length(bounds.size());
       }
 
-      /*! Atomic maximum. */
-      static void raise (int8_t& exponent, int8_t value)
+      static void atomicMax (int8_t& exponent, int8_t value)
       {
         const cbvh::AtomicRef<int8_t> at(exponent);
         int8_t found = at.load(std::memory_order_relaxed);

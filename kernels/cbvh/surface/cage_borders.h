@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Vertices on the borders of a cage's faces, by the rule in shared_border.h. Two faces evaluate a shared vertex some
- * ulps (units in the last place) apart, and far apart where normals differ or a height map jumps. cage_topology.h finds
- * the owners.
+/* Vertices on the borders of a cage's faces, by the rule in shared_border.h. Without it, two faces evaluate a shared
+ * vertex some ulps (units in the last place) apart, and far apart where normals differ or a height map jumps.
+ * cage_topology.h finds the owners.
  *
  * An n-gon (a face without four corners) has a patch at each corner. Only these patches share its center and the spokes
  * from there to the middles of its edges.
  *
- * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Points of
- * edges use 12 bytes each until the build ends. Evaluating the border of a small patch costs as much as the whole
- * patch, so small surfaces keep all vertices for their blocks. */
+ * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices, 12 bytes each until the build
+ * ends, are evaluated twice. Evaluating the border of a small patch costs as much as the whole patch, so small surfaces
+ * cache all vertices for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -29,16 +29,15 @@ namespace embree
       typedef PatchEvaluator Scratch;
 
       CageBorders (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
-          points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
+        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firstPoints(mesh->device,0),
+          points(mesh->device,0), firstCached(mesh->device,0), cached(mesh->device,0) {}
 
-      /*! Finds owners, evaluates their vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
         topology.find(facesPerTask,progress);
-        placePoints();
-        if (plan.kind() == cbvh::Kind::VERT) placeKept();
+        allocatePoints();
+        if (plan.kind() == cbvh::Kind::VERT) allocateCache();
         lattices.choose(*this,facesPerTask,progress);
         lattices.share(*this,2*topology.numHalfEdges(),facesPerTask,progress);
       }
@@ -48,7 +47,8 @@ namespace embree
 
       /*! Returns a patch's evaluated vertices, row by row; null unless the surface is small. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
-        return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
+        return firstCached.size() ? (const float(*)[3])cached.data() + step*numCached + firstOf(face,subPatch)
+          : nullptr;
       }
 
       /*! Returns the shared vertices along a side of a patch. s: side, in the order of PatchOfFace::rate. */
@@ -81,14 +81,14 @@ namespace embree
       bool addLines (size_t f, unsigned step, PatchEvaluator& evaluator, LatticeChoice& choice)
       {
         if (!topology.participates(f)) return false;
-        if (!mesh->valid(f,step)) { invalidateKept(f,step); return false; }
+        if (!mesh->valid(f,step)) { invalidateCached(f,step); return false; }
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,step);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             choice.addPatch(quads);
-            float few[fewVertices][3];
-            float (*all)[3] = roomFor(f,patch.subPatch,step);
-            if (!all && (quads[0]+1)*(quads[1]+1) <= fewVertices) all = few;
+            float local[maxLocalVertices][3];
+            float (*all)[3] = cachedVertices(f,patch.subPatch,step);
+            if (!all && (quads[0]+1)*(quads[1]+1) <= maxLocalVertices) all = local;
             PatchLines lines(mesh,base,evaluator,quads,all);
             for (unsigned s=0; s<4; s++)
             {
@@ -118,20 +118,21 @@ namespace embree
       }
 
     private:
-      static const size_t maxKept = 1 << 15; //!< vertices of all time steps together; 12 bytes each
-      static const size_t fewVertices = 9*9;  //!< evaluating the lines of so small a patch costs as much as all of it
+      static const size_t maxCached = 1 << 15; //!< vertices of all time steps together; 12 bytes each
+      /*! Evaluating the lines of so small a patch costs as much as all of it. */
+      static const size_t maxLocalVertices = 9*9;
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
       static size_t cornerElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.cornerOwner); }
       static size_t edgeElement (const CageTopology::HalfEdgeData& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* `points` lists, for each half-edge in order: its corner and the interior of its edge if it owns them, then its
-       * spoke. The center of an n-gon follows the points of its last half-edge. For other half-edges, centerPoint() is
-       * the end of their points. */
+       * spoke; then, after the last half-edge of an n-gon, the center. For other half-edges, centerPoint() is the end
+       * of their points. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
-      size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
-      size_t firstEdgePoint (uint32_t owner) const { return firsts[owner] + topology.ownsCorner(owner); }
+      size_t cornerPoint (uint32_t owner) const { return firstPoints[owner]; }
+      size_t firstEdgePoint (uint32_t owner) const { return firstPoints[owner] + topology.ownsCorner(owner); }
       size_t firstSpokePoint (uint32_t i) const { return firstEdgePoint(i) + edgePoints(i); }
       size_t centerPoint (const HalfEdge* last) const {
         return firstSpokePoint(topology.indexOf(last)) + spokePoints(last);
@@ -139,12 +140,12 @@ namespace embree
       float* point (size_t i, unsigned step) { return points.data() + 3*(step*numPoints + i); }
       const float* point (size_t i, unsigned step) const { return points.data() + 3*(step*numPoints + i); }
 
-      void placePoints ()
+      void allocatePoints ()
       {
-        cbvh::resizeToFit(firsts,topology.numHalfEdges());
+        cbvh::resizeToFit(firstPoints,topology.numHalfEdges());
         for (size_t f=0; f<mesh->size(); f++)
           topology.forEachEdge(f,[&](const HalfEdge* h) {
-              firsts[topology.indexOf(h)] = numPoints;
+              firstPoints[topology.indexOf(h)] = numPoints;
               numPoints = centerPoint(h) + (!isQuad(h) && h->next() == mesh->getHalfEdge(0,f));
             });
         cbvh::resizeToFit(points,3*numPoints*plan.numTimeSteps);
@@ -153,22 +154,22 @@ namespace embree
       }
 
       /*! Allocates memory for all vertices if the surface has few. */
-      void placeKept ()
+      void allocateCache ()
       {
-        const size_t most = maxKept/plan.numTimeSteps;
-        if (mesh->size() > most/4) return;
-        mvector<uint32_t> places(mesh->device,topology.numHalfEdges());
+        const size_t limit = maxCached/plan.numTimeSteps;
+        if (mesh->size() > limit/4) return;
+        mvector<uint32_t> firsts(mesh->device,topology.numHalfEdges());
         size_t n = 0;
-        for (size_t f=0; f<mesh->size() && n <= most; f++)
+        for (size_t f=0; f<mesh->size() && n <= limit; f++)
           if (topology.participates(f))
             forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-                places[topology.indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
+                firsts[topology.indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
                 n += verticesOf(patch);
               });
-        if (n > most) return;
-        numKept = n;
-        cbvh::resizeToFit(kept,3*n*plan.numTimeSteps);
-        firstKept = std::move(places);
+        if (n > limit) return;
+        numCached = n;
+        cbvh::resizeToFit(cached,3*n*plan.numTimeSteps);
+        firstCached = std::move(firsts);
       }
 
       static size_t verticesOf (const PatchOfFace& patch)
@@ -177,20 +178,20 @@ namespace embree
         return size_t(size.x)*size_t(size.y);
       }
 
-      /*! Index in `kept` of a patch's first vertex. */
+      /*! Index in `cached` of a patch's first vertex. */
       size_t firstOf (size_t face, int subPatch) const {
-        return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
+        return firstCached[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }
-      float (*roomFor (size_t face, int subPatch, unsigned step))[3] {
+      float (*cachedVertices (size_t face, int subPatch, unsigned step))[3] {
         return (float(*)[3])evaluated(face,subPatch,step);
       }
 
-      /*! Sets kept vertices of a face to NaN, because a vertex of the cage is not finite at that step. */
-      void invalidateKept (size_t f, unsigned step)
+      /*! Sets cached vertices of a face to NaN, because a vertex of the cage is not finite at that step. */
+      void invalidateCached (size_t f, unsigned step)
       {
-        if (firstKept.size())
+        if (firstCached.size())
           forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-              float* const all = roomFor(f,patch.subPatch,step)[0];
+              float* const all = cachedVertices(f,patch.subPatch,step)[0];
               std::fill(all,all + 3*verticesOf(patch),std::numeric_limits<float>::quiet_NaN());
             });
       }
@@ -203,7 +204,7 @@ namespace embree
         const bool descends = s >= 2;
         /* Stores vertex k of the side, counted around the patch, as point i. It is the line's first vertex that is
          * stitched to k. */
-        auto keep = [&](size_t i, unsigned k) {
+        auto store = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
 
@@ -212,17 +213,17 @@ namespace embree
         const HalfEdge* const edge = n == 4 ? h+s : s < 2 ? h+patch.subPatch : h+(patch.subPatch+n-1)%n;
         const uint32_t e = topology.indexOf(edge);
         if (n != 4 && s == 1) {
-          for (unsigned k=1; k<own; k++) keep(firstSpokePoint(e)+k-1,k);
-          if (patch.subPatch == 0) keep(centerPoint(h+n-1),own);
+          for (unsigned k=1; k<own; k++) store(firstSpokePoint(e)+k-1,k);
+          if (patch.subPatch == 0) store(centerPoint(h+n-1),own);
         }
         if (n != 4 && (s == 1 || s == 2)) return;
-        if ((n == 4 || s == 0) && topology.ownsCorner(e)) keep(cornerPoint(e),0);
+        if ((n == 4 || s == 0) && topology.ownsCorner(e)) store(cornerPoint(e),0);
         if (!topology.ownsEdge(e)) return;
         /* A patch of an n-gon has half of the edge; the first half includes the middle. */
         const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2;
         const unsigned end = n != 4 && s == 0 ? rate+1 : rate;
         const size_t first = firstEdgePoint(e) + (n != 4 && s == 3 ? rate : 0);
-        for (unsigned k=1; k<end; k++) keep(first+k-1,nearestVertex(k,rate,own));
+        for (unsigned k=1; k<end; k++) store(first+k-1,nearestVertex(k,rate,own));
       }
 
       SharedVertex corner (const HalfEdge* h, unsigned step) const
@@ -266,11 +267,11 @@ namespace embree
       const SubdivMesh* const mesh;
       CageTopology topology;
       BorderLattices lattices;
-      size_t numPoints = 0, numKept = 0; //!< counts per time step
-      mvector<size_t> firsts;            //!< index of the first point, by half-edge
+      size_t numPoints = 0, numCached = 0; //!< counts per time step
+      mvector<size_t> firstPoints;       //!< index of the first point, by half-edge
       mvector<float> points;             //!< points, step by step
-      mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty unless the surface is small
-      mvector<float> kept;               //!< all vertices of a small surface, step by step
+      mvector<uint32_t> firstCached;       //!< by the half-edge of a patch's corner; empty unless the surface is small
+      mvector<float> cached;               //!< all vertices of a small surface, step by step
     };
   }
 }

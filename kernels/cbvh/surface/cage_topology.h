@@ -42,7 +42,6 @@ namespace embree
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
-      /*! Computes the data of all half-edges. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
@@ -127,15 +126,15 @@ namespace embree
             }
             own.owner = ownerOf(claim);
             claim = cornerClaim(e);
-            forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
+            forEachAtVertex(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
             own.cornerOwner = ownerOf(claim);
           });
       }
 
-      /*! Calls closure for all half-edges, including e, that begin at e's vertex, belong to participating faces and can
-       *  be reached by crossing edges. */
+      /*! Calls closure for all half-edges, e included, that begin at e's vertex, belong to participating faces and are
+       *  reached by crossing edges. */
       template<typename Closure>
-      void forEachAround (const HalfEdge* e, const Closure& closure) const
+      void forEachAtVertex (const HalfEdge* e, const Closure& closure) const
       {
         const HalfEdge* a = e;
         do {

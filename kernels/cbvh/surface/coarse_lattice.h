@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Warning for a max_error as large as the quads: their vertices would coincide, and pictures get speckles. */
+/* A warning for a max_error so large that vertices of quads coincide, which shows as speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -17,8 +17,8 @@ namespace embree
     /*! Spacing, as a fraction of an edge, at which the first quads flip. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge:
-     *  means over a geometry's primitives of the lattice's spacing and the median edge. */
+    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge: of
+     *  the lattice, and median of a primitive, as means over a geometry's primitives. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

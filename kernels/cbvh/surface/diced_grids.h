@@ -18,7 +18,7 @@
  *       Position of a vertex of the buffer. May be not finite.
  *   bool hasIrregular () const
  *       True if the geometry has primitives in no grid, which may share vertices with grids.
- *   bool number (size_t i, QuadNumbers& out) const
+ *   bool getNumbers (size_t i, QuadNumbers& out) const
  *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
  *   static double spacingPerEdge ()
  *       Default spacing of lattices, as a fraction of the median edge.
@@ -49,7 +49,7 @@ namespace embree
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
       /*! Returns vertex k of side s, both numbered as in source.h. */
-      size_t onSide (int s, unsigned k) const
+      size_t sideVertex (int s, unsigned k) const
       {
         switch (s) {
         case 0 : return this->vertex(k,0);
@@ -91,7 +91,7 @@ namespace embree
       const float* position (size_t vertex, unsigned step) const {
         return (const float*)mesh->vertices[step].getPtr(vertex);
       }
-      bool number (size_t, cbvh::QuadNumbers&) const { return false; }
+      bool getNumbers (size_t, cbvh::QuadNumbers&) const { return false; }
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
         return bytesOfGridInEmbree(quadsX,quadsY);
@@ -148,7 +148,7 @@ namespace embree
         return (const float*)mesh->vertices[step].getPtr(vertex);
       }
 
-      bool number (size_t i, cbvh::QuadNumbers& out) const
+      bool getNumbers (size_t i, cbvh::QuadNumbers& out) const
       {
         numberRegion(quads,*regions,i,out);
         return true;

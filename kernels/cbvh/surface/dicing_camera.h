@@ -7,8 +7,8 @@
 
 namespace embree
 {
-  /*! A camera, and the requested size of quads in its picture: RTCDicingArguments without structSize. In world space
-   *  unless stated otherwise. Does not depend on Embree, so that kernels/beside can use it. */
+  /*! RTCDicingArguments without structSize, and independent of Embree: a camera, and the requested size of quads in its
+   *  picture. In world space unless stated otherwise. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };

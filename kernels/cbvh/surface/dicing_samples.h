@@ -19,16 +19,16 @@ namespace embree
      *  patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1, not rounded. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
-      const unsigned fewest = 2, most = 64; // cells per side
-      for (unsigned n=fewest; ; )
+      const unsigned minCells = 2, maxCells = 64; // cells per side
+      for (unsigned n=minCells; ; )
       {
         sample(primID,step,u0,v0,n);
-        need(n,quads);
+        estimateEdges(n,quads);
         const float highest = max(max(quads[0],quads[1]),max(quads[2],quads[3]));
-        unsigned wanted = n;
-        while (wanted < most && float(4*wanted) < highest) wanted *= 2;
-        if (wanted == n) return;
-        n = wanted;
+        unsigned next = n;
+        while (next < maxCells && float(4*next) < highest) next *= 2;
+        if (next == n) return;
+        n = next;
       }
     }
 
@@ -88,11 +88,10 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! Sets each edge's number of quads, from n x n cells of samples. Divides the patch into up to 4 x 4 parts. A part
-     *  needs the quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement
-     *  are longer. Parts can be at different distances, so each edge gets the maximum of the adjacent half of the
-     *  patch. */
-    void need (unsigned n, float quads[4]) const
+    /*! Sets each edge's number of quads, from n x n cells of samples, grouped into up to 4 x 4 parts. A part needs the
+     *  quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement are longer.
+     *  As parts can be at different distances, an edge gets the maximum of the adjacent half of the patch. */
+    void estimateEdges (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
       for (int i=0; i<4; i++) quads[i] = 1.0f;
@@ -108,7 +107,7 @@ namespace embree
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
-              // the cell is not finite, or contains the eye; its neighbors are sufficient
+              // not finite, or contains the eye; neighboring cells are sufficient
               if (!(u < maxSquared) || !(v < maxSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Measures lengths in pixels, for dicing_samples.h: at their distance from a camera, but as if seen from the front.
- * Computes in doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
+ * Uses doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -23,7 +23,7 @@ namespace embree
     /*! camera: must be valid. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
-          pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outsideFactor),
+          pixelSize(double(camera.pixelSize)*camera.quadSize), outsideFactor(camera.outsideFactor),
         hasPicture(camera.width > 0.0 && camera.height > 0.0)
     {
       for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
@@ -75,25 +75,24 @@ namespace embree
       return sqr_length(e-t*d);
     }
 
-    /*! Factor of quad sizes outside of the picture. It grows continuously with the distance from the picture, so that
-     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border: 1.15 =
-     *  1/sin(60 degrees). */
+    /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
+     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
-      double radius = 0.0, beyond = 0.0;
+      double radius = 0.0, distanceOutside = 0.0;
       for (int i=0; i<4; i++) radius = max(radius,sqr_length(corners[i]-center));
       radius = std::sqrt(radius);
-      for (int i=0; i<4; i++) beyond = max(beyond,dot(normals[i],center-eye)-offsets[i]-radius);
+      for (int i=0; i<4; i++) distanceOutside = max(distanceOutside,dot(normals[i],center-eye)-offsets[i]-radius);
       const double scale = orthographic ? 4.0*size : std::sqrt(sqr_length(center-eye));
-      return beyond > 0.0 ? 1.0 + (outside-1.0)*min(1.0,1.15*beyond/scale) : 1.0;
+      return distanceOutside > 0.0 ? 1.0 + (outsideFactor-1.0)*min(1.0,1.15*distanceOutside/scale) : 1.0;
     }
 
     static double sqr_length (const Double3& v) { return dot(v,v); }
 
     Double3 eye;
     bool orthographic;
-    double pixelSize, outside;
+    double pixelSize, outsideFactor;
     bool hasPicture;
     double transform[12];
     double size = 0.0;    //!< half of the picture's longer side, in world units at distance 1

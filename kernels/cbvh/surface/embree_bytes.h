@@ -14,14 +14,14 @@ namespace embree
   /*! A grid of a grid geometry, which Embree divides into leaves of 2 x 2 quads. Motion does not change the size. */
   inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
 
-  /*! A grid as cVERT, with its share of the tree: 130 bytes per block, 8 more if quads have numbers (primIDs) that
-   *  follow a pattern, and 1 per quad. */
+  /*! A grid as cVERT, with its share of the tree. A block needs 8 more bytes if its quads have numbers (primIDs) that
+   *  follow a pattern. */
   inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! A region of a mesh as cVERT at the default precision of meshes, which needs about 5 bytes per quad. tables: bytes
-   *  of the tables of numbers. */
+  /*! A region of a mesh as cVERT at the default precision of meshes, about 5 bytes per quad. tables: bytes of the
+   *  tables of numbers. */
   inline size_t bytesOfMeshGrid (size_t quadsX, size_t quadsY, size_t tables) {
     return bytesOfGridBlocks(quadsX,quadsY,true) + 4*quadsX*quadsY + tables;
   }
@@ -40,8 +40,8 @@ namespace embree
   }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
-  /*! GRID's grids of a moving cage. still: bytes at one time step. */
-  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) {
-    return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4));
+  /*! GRID's grids of a moving cage. bytesOfStep: for one time step. */
+  inline size_t bytesOfMovingGrids (size_t bytesOfStep, unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? bytesOfStep : size_t(double(bytesOfStep)*(0.85*numTimeSteps-0.4));
   }
 }

@@ -18,7 +18,6 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h. */
     template<typename Grids>
     class GridBorders : public StoredBorders
     {
@@ -36,9 +35,8 @@ namespace embree
       bool isValid (size_t i) const { return grids.isValid(i); }
       bool isError (size_t i) const { return grids.isError(i); }
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
-      bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
+      bool getNumbers (size_t i, cbvh::QuadNumbers& out) const { return grids.getNumbers(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {
@@ -66,22 +64,22 @@ namespace embree
 
       /*! Returns a vertex on a grid's border as all grids store it. vertex: index in the buffer. own: exponent of the
        *  grid's lattice. */
-      SharedVertex shared (size_t vertex, int own, unsigned step) const
+      SharedVertex sharedVertex (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
         if (table.isEmpty() || !cbvh::isFinite(p) || !cbvh::isFinite(position(vertex))) return SharedVertex(p,own);
         const Entry entry = table.find(*this,vertex);
         if (!table.isMarked(entry)) return SharedVertex(p,lattices.ofShared(entry,step));
         const cbvh::Double3 d = stitched.stored(entry,step);
-        const float onEdge[3] = { float(d.x),float(d.y),float(d.z) };
-        return SharedVertex(onEdge,cbvh::exactLattice);
+        const float stored[3] = { float(d.x),float(d.y),float(d.z) };
+        return SharedVertex(stored,cbvh::exactLattice);
       }
 
       /*! See StoredBorders. Only for meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
-        const SharedVertex v = shared(vertex,cbvh::exactLattice,0);
+        const SharedVertex v = sharedVertex(vertex,cbvh::exactLattice,0);
         const cbvh::WorldLattice common(v.exponent);
         for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
         return true;
@@ -98,17 +96,17 @@ namespace embree
         return true;
       }
 
-      /*! For StitchedVertices: calls closure for each edge between two border vertices, with the entries of its ends.
-       *  Skips edges of length 0. */
+      /*! For StitchedVertices: calls closure with the entries of both ends for each edge on the border. Skips edges of
+       *  length 0. */
       template<typename Closure>
-      void forBorderEdges (size_t i, const Closure& closure) const
+      void forEachBorderEdge (size_t i, const Closure& closure) const
       {
         if (!isValid(i)) return;
         const Grid grid = (*this)[i];
         for (int s=0; s<4; s++) {
           Entry before = Table::none;
           for (unsigned k=0; k<=grid.quads(s & 1); k++) {
-            const size_t vertex = grid.onSide(s,k);
+            const size_t vertex = grid.sideVertex(s,k);
             const Entry entry = cbvh::isFinite(position(vertex)) ? table.find(*this,vertex) : Table::none;
             if (before != Table::none && entry != Table::none && before != entry) closure(before,entry);
             before = entry;
@@ -123,7 +121,7 @@ namespace embree
       void extendBounds (size_t i, unsigned step, BBox3fa& bounds) const
       {
         if (!isValid(i)) return;
-        forBorder((*this)[i],[&](size_t vertex) {
+        forEachBorderVertex((*this)[i],[&](size_t vertex) {
             const float* p = position(vertex,step);
             if (cbvh::isFinite(p)) bounds.extend(Vec3fa(p[0],p[1],p[2]));
           });
@@ -148,7 +146,7 @@ namespace embree
       void forEachShared (size_t i, const Closure& closure)
       {
         if (!isValid(i)) return;
-        forBorder((*this)[i],[&](size_t vertex) {
+        forEachBorderVertex((*this)[i],[&](size_t vertex) {
             if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex),false);
           });
       }
@@ -159,10 +157,10 @@ namespace embree
 
       /*! Calls closure for each border vertex once. */
       template<typename Closure>
-      static void forBorder (const Grid& grid, const Closure& closure)
+      static void forEachBorderVertex (const Grid& grid, const Closure& closure)
       {
         for (int s=0; s<4; s++)
-          for (unsigned k=0; k<grid.quads(s & 1); k++) closure(grid.onSide(s,k));
+          for (unsigned k=0; k<grid.quads(s & 1); k++) closure(grid.sideVertex(s,k));
       }
 
       const Grids grids;

@@ -34,7 +34,7 @@ namespace embree
         for (int d=0; d<2; d++) quads[d] = this->grid.quads(d);
         for (int s=0; s<4; s++) rates[s] = float(quads[s & 1]);
         rate = rates;
-        if (borders.number(grid,scratch.numbers)) numbers = &scratch.numbers;
+        if (borders.getNumbers(grid,scratch.numbers)) numbers = &scratch.numbers;
       }
 
       GridPatch (const GridPatch& other, Scratch& scratch)
@@ -56,7 +56,7 @@ namespace embree
         int s;
         unsigned step, rate;
         SharedVertex operator[] (unsigned k) const {
-          return patch.borders.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step);
+          return patch.borders.sharedVertex(patch.grid.sideVertex(s,k),patch.latticeExponent(step),step);
         }
       };
       Side side (int s, unsigned step) const { return Side{ *this,s,step,quads[s & 1] }; }

@@ -54,12 +54,12 @@ namespace embree
 
   void checkSides (const GridMesh* mesh)
   {
-    const unsigned most = 32767;
+    const unsigned maxSide = 32767;
     for (size_t i=0; i<mesh->grids.size(); i++)
-      if (max(mesh->grid(i).resX,mesh->grid(i).resY) > most)
+      if (max(mesh->grid(i).resX,mesh->grid(i).resY) > maxSide)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has "
             + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
-                       + " vertices: expected at most " + std::to_string(most)
+                       + " vertices: expected at most " + std::to_string(maxSide)
                          + " along a side of a grid that is not compressed");
   }
 

@@ -35,6 +35,6 @@ namespace embree
   /*! For uncompressed grids. Throws if a side has more vertices than Embree's kernel counts in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws if all rows of a large grid are the same vertices: it could have billions of quads without area. */
+  /*! Throws if all rows of a large grid are the same vertices: there could be billions of quads without area. */
   void checkStrides (const GridMesh* mesh);
 }

@@ -4,8 +4,8 @@
 #pragma once
 
 /* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Their vertices
- * are on one lattice per time step, except for vertices of triangles that this lattice would flip: these are on finer
- * lattices. They are found before any block is encoded, so that blocks agree on shared vertices. */
+ * are on one lattice per time step, or on finer ones if it would flip triangles. These exceptions are found before any
+ * block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -46,12 +46,12 @@ namespace embree
        *  primitive: an index is out of range, or a vertex is not finite at a step. */
       bool corners (size_t triangle, const float* out[3]) const
       {
-        unsigned numbers[3];
-        return corners(triangle,out,numbers);
+        unsigned vertices[3];
+        return corners(triangle,out,vertices);
       }
 
-      /*! Also sets `numbers` to the indices of the corners in the vertex buffer. */
-      bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
+      /*! Also sets `vertices` to the indices of the corners in the vertex buffer. */
+      bool corners (size_t triangle, const float* out[3], unsigned vertices[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
         const uint32_t n = areHalvesOfQuads() ? 4 : 3;
@@ -68,7 +68,7 @@ namespace embree
         for (int c=0; c<3; c++) {
           const int i = areHalvesOfQuads() ? ofQuad[triangle & 1][c] : c;
           out[c] = p[i];
-          numbers[c] = v[i];
+          vertices[c] = v[i];
         }
         return true;
       }
@@ -131,9 +131,9 @@ namespace embree
         if (plan.moves()) welded = mesh.weld();
         cbvh::resizeToFit(centers,numPrimitives());
         const size_t tasks = (numPrimitives()+perTask-1)/perTask;
-        std::vector<Found> found(tasks);
+        std::vector<TaskResult> found(tasks);
         parallel_for(size_t(0),tasks,size_t(1),[&](const range<size_t>& r) {
-            for (size_t task=r.begin(); task!=r.end(); task++) find(task,found[task]);
+            for (size_t task=r.begin(); task!=r.end(); task++) findHittable(task,found[task]);
             progress();
           });
         size_t n = 0;
@@ -153,26 +153,26 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's vertices. Returns
-       *  the squared distance that the farthest corner moved. */
-      double store (uint32_t triangle, float out[3][3]) const
+      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's. Returns the
+       *  squared distance that the farthest corner moved. */
+      double snapCorners (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
         unsigned vertices[3];
         mesh.corners(triangle,p,vertices);
-        double farthest = 0;
+        double maxSquare = 0;
         for (int c=0; c<3; c++)
         {
           if (!borders || !borders->find(vertices[c],out[c])) lattices[0]->snap(p[c],out[c]);
           double square = 0;
           for (int k=0; k<3; k++) { const double d = double(out[c][k])-p[c][k]; square += d*d; }
-          farthest = max(farthest,square);
+          maxSquare = max(maxSquare,square);
         }
-        return farthest;
+        return maxSquare;
       }
 
       /*! For moving meshes. Sets the corners' IDs: equal for vertices that are equal at all steps. */
-      void identify (uint32_t triangle, uint32_t out[3]) const
+      void cornerIDs (uint32_t triangle, uint32_t out[3]) const
       {
         const float* p[3];
         unsigned vertices[3];
@@ -180,9 +180,9 @@ namespace embree
         for (int c=0; c<3; c++) out[c] = welded ? (*welded)[vertices[c]] : vertices[c];
       }
 
-      /*! Sets out to the stored position of a vertex. id: see identify(). Returns the squared distance that it
+      /*! Sets out to the stored position of a vertex. id: see cornerIDs(). Returns the squared distance that it
        *  moved. */
-      double storeVertex (unsigned step, uint32_t id, float out[3]) const
+      double snapVertex (unsigned step, uint32_t id, float out[3]) const
       {
         const float* const p = mesh.vertex(step,id);
         lattices[step]->snap(p,out);
@@ -199,12 +199,12 @@ namespace embree
         return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
       }
 
-      /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. A triangle without
-       *  area at some steps can have area between them. */
+      /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. Without area at
+       *  some steps, it could still have area between them. */
       bool haveEqualCorners (uint32_t triangle) const
       {
         uint32_t ids[3];
-        identify(triangle,ids);
+        cornerIDs(triangle,ids);
         return ids[0] == ids[1] || ids[1] == ids[2] || ids[2] == ids[0];
       }
 
@@ -230,8 +230,7 @@ namespace embree
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
-      /*! Result of a task of prepare(). */
-      struct Found
+      struct TaskResult
       {
         size_t count = 0, numInvalid = 0;
         std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip, at any step
@@ -257,12 +256,12 @@ namespace embree
           }
         }
         const int exponent = choice.exponent(plan,0.0);
-        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.edge());
+        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.medianEdge());
         return exponent;
       }
 
-      /*! True if a lattice flips more than half of a sample of triangles. So many exceptions would take longer than the
-       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow: a block with exceptions has
+      /*! True if a lattice flips more than half of a sample of triangles: finding exceptions would take longer than the
+       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow, as one with exceptions has
        *  the finest spacing of its vertices anyway. */
       bool flipsMost (int exponent) const
       {
@@ -277,8 +276,8 @@ namespace embree
         return 2*flipped > samples;
       }
 
-      /*! Finds the primitives of a task that rays can hit, and writes their centers. */
-      void find (size_t task, Found& out)
+      /*! Finds the primitives of a task that rays can hit. */
+      void findHittable (size_t task, TaskResult& out)
       {
         const size_t begin = task*perTask, end = min(begin+perTask,numPrimitives());
         for (size_t i=begin; i<end; i++)
@@ -316,10 +315,10 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! Refines lattices until no triangle flips; a vertex on a finer lattice can flip other triangles. One thread
-       *  changes the lattices, in a fixed order, so that results do not depend on threads. */
+      /*! Refines lattices until no triangle flips, as a vertex on a finer lattice can flip other triangles. One thread
+       *  changes the lattices, in a fixed order: results do not depend on threads. */
       template<typename Progress>
-      void refineUntilNoneFlips (std::vector<Found>& found, const Progress& progress)
+      void refineUntilNoneFlips (std::vector<TaskResult>& found, const Progress& progress)
       {
         for (bool changed=true; changed; )
         {
@@ -328,7 +327,7 @@ namespace embree
               progress();
             });
           changed = false;
-          for (const Found& task : found)
+          for (const TaskResult& task : found)
             for (uint32_t triangle : task.flipped)
               forEachStep(triangle,[&](cbvh::MeshLattice& lattice, const float* a, const float* b, const float* c) {
                   changed |= lattice.refine(a,b,c);
@@ -336,7 +335,7 @@ namespace embree
         }
       }
 
-      void findFlipped (Found& task) const
+      void findFlipped (TaskResult& task) const
       {
         task.flipped.clear();
         for (uint32_t triangle : task.fragile) {
@@ -368,7 +367,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Primitives that can be hit, with the centers of their bounds. Set by prepare(). Users may reorder them. */
+      /*! Primitives that can be hit, set by prepare(), with the centers of their bounds. Users may reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Divides a quad or triangle mesh into regions that form grids (quad_regions.h) and irregular primitives, which are
- * stored in mesh blocks (irregular_triangles.h). */
+/* Divides a mesh into regions that form grids (quad_regions.h) and irregular primitives, which are stored in mesh
+ * blocks (irregular_triangles.h). */
 
 #include "quad_regions.h"
 

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Evaluates and displaces vertices of a cage's patch, with the parameters and operations of Embree's GRID
- * (subdivpatch1base_eval.cpp), so that the results are the same floats. All vertices of a part are evaluated at once:
- * irregular patches are subdivided once, and the displacement function is called once. */
+ * (subdivpatch1base_eval.cpp), so that the results are the same floats. Subdivides an irregular patch, and calls the
+ * displacement function, once per part. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -81,8 +81,8 @@ namespace embree
         }
       }
 
-      /*! Moves parameters on edges of lower rates to the vertices of these edges. Replaces Embree's stitchUVGrid(),
-       *  which would stitch columns of a part to the rates of the opposite edges. */
+      /*! Moves parameters on edges of lower rates to these edges' vertices. Replaces Embree's stitchUVGrid(), which
+       *  would stitch columns of a part to the rates of the opposite edges. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -143,7 +143,7 @@ namespace embree
       bool stitched = false;      //!< an edge has a lower rate than the patch
     };
 
-    /*! Rows and columns of a patch. Evaluates each on request, or copies it from the whole patch, evaluated once. */
+    /*! Rows and columns of a patch, evaluated on request, or copied from the whole patch, evaluated once. */
     class PatchLines
     {
     public:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The patches of a cage's face: the face itself if it has four corners, otherwise one per corner. Also determines which
+/* The patches of a cage's face: the face itself if it has four corners, otherwise one per corner. Also tests which
  * faces Embree can evaluate. */
 
 #include "../embree/scene.h"
@@ -24,8 +24,8 @@ namespace embree
       return false;
     }
 
-    /*! True if Embree cannot evaluate the surface where an edge begins: a face at that vertex has fewer than 3 or more
-     *  than 16 corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
+    /*! True if Embree cannot evaluate the surface where an edge begins: a face there has fewer than 3 or more than 16
+     *  corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
       size_t faceValence = 0, edgeValence = 0;
@@ -44,7 +44,7 @@ namespace embree
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
-    /*! True if Embree can evaluate a face. first: the face's first half-edge. corners: their number. */
+    /*! True if Embree can evaluate a face. corners: number of half-edges from `first`. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
       if (corners < 3) return false; // the only corner has no next edge

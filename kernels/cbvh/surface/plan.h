@@ -30,8 +30,8 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! True if a moving geometry that requests compression is compressed. As it is always stored as cVERT, a request
-       *  for another kind counts only if fallback faces are allowed. */
+      /*! True if moving geometry is compressed if it requests compression. As it becomes cVERT, a request for another
+       *  kind counts only if fallback faces are allowed. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
@@ -56,7 +56,6 @@ namespace embree
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
 
-      /*! True if max_error determines frame levels. */
       bool boundsError () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;
@@ -76,8 +75,8 @@ namespace embree
       }
 
       /*! Frame level for a patch of 2^level quads per side, unless max_error determines it. Blocks of 16 x 16 quads
-       *  minimize the product of bytes and time, or nearly so (docs/paper.md). Smaller blocks are hardly faster, and
-       *  their frames cost more than their leaves save. Larger blocks save little and are slower. */
+       *  minimize the product of bytes and time, or nearly so (docs/paper.md): smaller blocks are hardly faster, but
+       *  their frames cost more than their leaves save, and larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

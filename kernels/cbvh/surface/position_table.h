@@ -15,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for two
-     *  vertices that are equal at the first step. */
+    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for vertices
+     *  that are equal there. */
     template<typename Positions>
     class PositionTable
     {
@@ -48,12 +48,12 @@ namespace embree
       Entry add (const Positions& positions, size_t vertex)
       {
         const float* p = positions.position(vertex);
-        const uint64_t h = hashOf(p), mine = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
+        const uint64_t h = hashOf(p), added = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
         for (size_t at=h & mask(); ; at=(at+1) & mask())
         {
           const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
-          if (found == 0 && slot.exchange(found,mine,std::memory_order_relaxed)) return Entry(at);
+          if (found == 0 && slot.exchange(found,added,std::memory_order_relaxed)) return Entry(at);
           if (!isSame(positions,found,vertex,p,h)) continue;
           if (!(found & sharedBit)) slot.fetchOr(sharedBit,std::memory_order_relaxed);
           return Entry(at);
@@ -70,10 +70,10 @@ namespace embree
         return none;
       }
 
-      /*! Returns any vertex with the entry's position. The choice depends on the order of threads. */
+      /*! Returns any vertex with the entry's position, depending on the order of threads. */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! True if the entry was added more than once: several grids, or a grid several times, have a vertex there. */
+      /*! True if the entry was added more than once: by several grids, or several times by one. */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
       /*! True if an entry was added only once. */
@@ -91,8 +91,8 @@ namespace embree
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* A slot: 33 bits of vertex, three flags, and the upper 28 bits of the hash, which avoid most comparisons of
-       * positions. 0 if free. */
+      /* A slot: 33 bits of vertex, three flags, and the upper 28 bits of the hash, which avoid most comparisons. 0 if
+       * free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;

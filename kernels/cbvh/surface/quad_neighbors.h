@@ -15,7 +15,6 @@
 
 namespace embree
 {
-  /*! Result of NeighborFinder. */
   struct QuadNeighbors
   {
     enum : unsigned { none = ~0u };
@@ -23,7 +22,7 @@ namespace embree
 
     cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
-    size_t numLeftOut = 0;
+    size_t numInvalid = 0;
     bool formsDiffer = false;                        //!< see cvert/format/quad_numbers.h and looksRegular()
 
     size_t size () const { return isValid.size(); }
@@ -41,7 +40,7 @@ namespace embree
     bool run ()
     {
       if (!findCorners()) return false;
-      link();
+      buildTable();
       if (!looksRegular()) return false;
       findNeighbors();
       return true;
@@ -59,12 +58,12 @@ namespace embree
       unsigned form;
     };
 
-    /*! A quad that begins at the same vertex as a quad with a lower number, which the table contains instead. first:
-     *  that vertex. second: another vertex that it shares with a neighbor. */
-    struct Other
+    /*! A quad that is not in the table, because a quad with a lower number begins at the same vertex. first: that
+     *  vertex. second: another vertex that it shares with a neighbor. */
+    struct ExtraQuad
     {
       unsigned first, second, quad;
-      bool operator< (const Other& other) const {
+      bool operator< (const ExtraQuad& other) const {
         return std::tie(first,second,quad) < std::tie(other.first,other.second,other.quad);
       }
     };
@@ -83,7 +82,7 @@ namespace embree
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
     /*! True if quads can be neighbors: they have the same form or, with formsDiffer, the same number of triangles. */
-    bool fit (const Quad& q, const Quad& other) const
+    bool areCompatible (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
       if (q.index == other.index) return false;
@@ -91,13 +90,13 @@ namespace embree
     }
 
     /*! Copies all corners, because later steps read them repeatedly and in the order of neighbors. Returns false if no
-     *  quad is valid, or if the table of vertices would have more than 16 entries per quad. */
+     *  quad is valid, or if the table would have more than 16 entries per quad. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
       cbvh::resizeToFit(forms,quads.size());
       cbvh::resizeToFit(out.isValid,quads.size());
-      std::atomic<size_t> numLeftOut(0);
+      std::atomic<size_t> numInvalid(0);
       typedef std::pair<unsigned,unsigned> Range; // lowest and highest vertex
       const Range empty(unsigned(none),0u);
       const Range range = parallel_reduce(size_t(0),quads.size(),perTask,empty,[&](const embree::range<size_t>& r) {
@@ -109,15 +108,15 @@ namespace embree
             out.isValid[i] = isValid(q);
             if (out.isValid[i]) span = Range(min(span.first,q.v[0]),max(span.second,q.v[0])); else n++;
           }
-          if (n) numLeftOut += n;
+          if (n) numInvalid += n;
           return span;
         },[](const Range& a, const Range& b) { return Range(min(a.first,b.first),max(a.second,b.second)); });
-      out.numLeftOut = numLeftOut;
+      out.numInvalid = numInvalid;
       if (range.first > range.second) return false;
-      lowest = range.first;
+      lowestVertex = range.first;
       const size_t size = size_t(range.second-range.first) + 1;
       if (size/16 > quads.size()) return false;
-      fill(begins,size);
+      fill(lowestQuadAt,size);
       return true;
     }
 
@@ -129,80 +128,78 @@ namespace embree
         });
     }
 
-    /*! Atomic minimum. */
-    static void lower (unsigned& value, unsigned to)
+    static void atomicMin (unsigned& value, unsigned to)
     {
       const cbvh::AtomicRef<unsigned> slot(value);
       unsigned found = slot.load(std::memory_order_relaxed);
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
-    /*! Fills the table `begins` and the lists of other quads. */
-    void link ()
+    void buildTable ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
           for (size_t i=r.begin(); i!=r.end(); i++)
-            if (out.isValid[i]) lower(begins[corners[i].v[0]-lowest],unsigned(i));
+            if (out.isValid[i]) atomicMin(lowestQuadAt[corners[i].v[0]-lowestVertex],unsigned(i));
         });
       MutexSys mutex;
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
-          std::vector<Other> right, above;
+          std::vector<ExtraQuad> right, above;
           for (size_t i=r.begin(); i!=r.end(); i++) {
             const Corners& q = corners[i];
-            if (!out.isValid[i] || begins[q.v[0]-lowest] == i) continue;
-            right.push_back(Other{ q.v[0],q.v[3],unsigned(i) });
-            above.push_back(Other{ q.v[0],q.v[1],unsigned(i) });
+            if (!out.isValid[i] || lowestQuadAt[q.v[0]-lowestVertex] == i) continue;
+            right.push_back(ExtraQuad{ q.v[0],q.v[3],unsigned(i) });
+            above.push_back(ExtraQuad{ q.v[0],q.v[1],unsigned(i) });
           }
           if (right.empty()) return;
           Lock<MutexSys> lock(mutex);
-          othersRight.insert(othersRight.end(),right.begin(),right.end());
-          othersAbove.insert(othersAbove.end(),above.begin(),above.end());
+          extraRight.insert(extraRight.end(),right.begin(),right.end());
+          extraAbove.insert(extraAbove.end(),above.begin(),above.end());
         });
-      std::sort(othersRight.begin(),othersRight.end());
-      std::sort(othersAbove.begin(),othersAbove.end());
+      std::sort(extraRight.begin(),extraRight.end());
+      std::sort(extraAbove.begin(),extraAbove.end());
     }
 
-    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and fits q. */
-    bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<Other>& others,
+    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and is compatible with q. */
+    bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<ExtraQuad>& extraQuads,
                Quad& found) const
     {
-      if (first < lowest || first-lowest >= begins.size()) return false;
-      const unsigned index = begins[first-lowest];
+      if (first < lowestVertex || first-lowestVertex >= lowestQuadAt.size()) return false;
+      const unsigned index = lowestQuadAt[first-lowestVertex];
       if (index == none) return false;
       found = quad(index);
-      if (found.v[c] == second) return fit(q,found);
-      if (others.empty()) return false;
-      const auto other = std::lower_bound(others.begin(),others.end(),Other{ first,second,0 });
-      if (other == others.end() || other->first != first || other->second != second) return false;
+      if (found.v[c] == second) return areCompatible(q,found);
+      if (extraQuads.empty()) return false;
+      const auto other = std::lower_bound(extraQuads.begin(),extraQuads.end(),ExtraQuad{ first,second,0 });
+      if (other == extraQuads.end() || other->first != first || other->second != second) return false;
       found = quad(other->quad);
-      return fit(q,found);
+      return areCompatible(q,found);
     }
 
-    bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
-    bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
+    bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,extraRight,found); }
+    bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,extraAbove,found); }
 
     /*! True if at least a quarter of a sample of quads is regular: their right and upper neighbors share a neighbor.
-     *  Sets formsDiffer if more than twice as many are regular when neighbors may have different forms. Numbers of
-     *  triangles must then fit into 30 bits, next to 2 bits for a turn. */
+     *  Sets formsDiffer if more than twice as many are regular with neighbors of different forms; numbers of triangles
+     *  must then fit into 30 bits, next to 2 bits for a turn. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
-      size_t looked = 0;
+      size_t numSampled = 0;
       auto countRegular = [&](bool formsDiffer) {
         out.formsDiffer = formsDiffer;
-        looked = 0;
+        numSampled = 0;
         size_t regular = 0;
         for (size_t i=0; i<quads.size(); i+=step) {
           const Quad q = quad(unsigned(i));
           Quad right, up, corner;
-          looked++;
+          numSampled++;
           regular += isValid(q) && rightOf(q,right) && above(q,up) && above(right,corner) && isRight(up,corner);
         }
         return regular;
       };
       const size_t withOwnForms = countRegular(true), withEqualForms = countRegular(false);
       out.formsDiffer = withOwnForms > 2*withEqualForms && quads.size() < size_t(1) << 29;
-      return 4*(out.formsDiffer ? withOwnForms : withEqualForms) >= looked;
+      return 4*(out.formsDiffer ? withOwnForms : withEqualForms) >= numSampled;
     }
 
     void findNeighbors ()
@@ -213,17 +210,17 @@ namespace embree
             if (!out.isValid[i]) continue;
             const Quad q = quad(unsigned(i));
             Quad next;
-            if (rightOf(q,next)) set(q,next,QuadNeighbors::RIGHT,QuadNeighbors::LEFT);
-            if (above(q,next)) set(q,next,QuadNeighbors::ABOVE,QuadNeighbors::BELOW);
+            if (rightOf(q,next)) setNeighbor(q,next,QuadNeighbors::RIGHT,QuadNeighbors::LEFT);
+            if (above(q,next)) setNeighbor(q,next,QuadNeighbors::ABOVE,QuadNeighbors::BELOW);
           }
         });
     }
 
-    /*! Stores a neighbor of a quad, and the quad as the opposite neighbor unless one with a lower number is stored. */
-    void set (const Quad& q, const Quad& next, int side, int opposite)
+    /*! Stores a neighbor of a quad, and the lowest such quad as the opposite neighbor. */
+    void setNeighbor (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;
-      lower(out.at[opposite][next.index],q.index);
+      atomicMin(out.at[opposite][next.index],q.index);
     }
 
     const Quads quads;
@@ -231,8 +228,8 @@ namespace embree
     QuadNeighbors& out;
     cbvh::UnmonitoredVector<Corners> corners;
     cbvh::UnmonitoredVector<uint8_t> forms;
-    unsigned lowest = 0;
-    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad, by vertex
-    std::vector<Other> othersRight, othersAbove; //!< sorted by the vertices that neighbors must share
+    unsigned lowestVertex = 0;                      //!< at which a quad begins
+    cbvh::UnmonitoredVector<unsigned> lowestQuadAt; //!< lowest quad that begins at a vertex, by vertex - lowestVertex
+    std::vector<ExtraQuad> extraRight, extraAbove; //!< sorted by the vertices that neighbors must share
   };
 }

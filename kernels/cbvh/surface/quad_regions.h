@@ -37,8 +37,8 @@ namespace embree
           for (int i=0; i<4; i++) v[i] = (*welded)[v[i]];
       }
 
-      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID of the quad
-      unsigned second (size_t quad) const { return unsigned(quad); } //!< primID of its second triangle: the same
+      unsigned firstPrimID (size_t quad) const { return unsigned(quad); } //!< primID of the quad
+      unsigned secondPrimID (size_t quad) const { return unsigned(quad); } //!< primID of its second triangle: the same
 
       /*! Form of the quad's number, 0 for quad meshes. See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
@@ -55,21 +55,20 @@ namespace embree
       const mvector<unsigned>* seconds; //!< second triangle of each pair; null if it follows the first one
 
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
-      unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
+      unsigned firstPrimID (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
 
-      /*! The second triangle of a pair; number(pair) if there is none. */
-      unsigned second (size_t pair) const
+      /*! The second triangle of a pair; firstPrimID(pair) if there is none. */
+      unsigned secondPrimID (size_t pair) const
       {
         if (seconds) return (*seconds)[pair];
-        const unsigned first = number(pair);
+        const unsigned first = firstPrimID(pair);
         if (!firsts) return first+1;
         const size_t next = pair+1 < firsts->size() ? (*firsts)[pair+1] : mesh->triangles.size();
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10; digits are u and
-       *  v. turns: set to the corners with which the triangles begin (quad_numbers.h). Returns false if they share no
-       *  edge. */
+      /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). turns: set to the
+       *  corners with which the triangles begin (quad_numbers.h). Returns false if they share no edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -83,7 +82,7 @@ namespace embree
       }
 
       /*! True if two triangles share an edge, and all their vertices exist. */
-      bool areJoined (size_t first, size_t second) const
+      bool shareEdge (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], turns;
         triangle(first,a);
@@ -93,7 +92,7 @@ namespace embree
 
       unsigned cornersAndForm (size_t pair, unsigned v[4]) const
       {
-        const unsigned first = number(pair), other = second(pair);
+        const unsigned first = firstPrimID(pair), other = secondPrimID(pair);
         unsigned a[3], b[3], turns = 0;
         triangle(first,a);
         if (other == first) { // for a single triangle, v2 equals v1
@@ -130,8 +129,8 @@ namespace embree
     /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad, in sum 16 per
-     *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad: 16 per quad for
+     *  3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
@@ -141,17 +140,17 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool formsDiffer = false;  //!< triangles of a region's quads begin at different corners
     bool isOutOfMemory = false; //!< memory ran out while regions were searched
-    cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
-    bool areAllIrregular = false; //!< no regions, and `loose` is empty
-    size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays miss them
+    cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_parts.h), ascending
+    bool areAllIrregular = false; //!< no regions, and `irregular` is empty
+    size_t numInvalid = 0;    //!< primitives with an index that is not a vertex; rays miss them
 
     size_t bytes () const
     {
       return regions.size()*sizeof(Region) + (welded ? welded->bytes() : 0)
-        + (quads.size() + firsts.size() + seconds.size() + loose.size())*sizeof(unsigned);
+        + (quads.size() + firsts.size() + seconds.size() + irregular.size())*sizeof(unsigned);
     }
 
-    bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
+    bool hasIrregular () const { return areAllIrregular || !irregular.empty(); }
 
     /*! Estimated bytes of the regions as grids, with their share of the tree but without tables of numbers. */
     size_t bytesOfBlocks () const;
@@ -164,7 +163,7 @@ namespace embree
     static bool isSmallerInMeshBlocks (const Region& region, size_t tables = 0);
 
     /*! True if isSmallerInMeshBlocks() depends on `tables`. */
-    static bool dependsOnNumbers (const Region& region);
+    static bool dependsOnTables (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
@@ -201,7 +200,7 @@ namespace embree
       out.form = quads.form(*at);
       out.width = r.width;
       out.numbers.resize(n);
-      for (size_t k=0; k<n; k++) out.numbers[k] = quads.number(at[k]);
+      for (size_t k=0; k<n; k++) out.numbers[k] = quads.firstPrimID(at[k]);
       const bool areAllAlike = meshRegions.seconds.empty() && !meshRegions.formsDiffer;
       const bool needSeconds = !areAllAlike && cbvh::isTriangleForm(out.form) && !cbvh::isSingleTriangleForm(out.form);
       out.seconds.resize(needSeconds ? n : 0);
@@ -210,7 +209,7 @@ namespace embree
       const unsigned turns = cbvh::formOfFirstCorners(3,3);
       out.form &= ~turns;
       for (size_t k=0; k<n; k++) {
-        out.seconds[k] = quads.second(at[k]);
+        out.seconds[k] = quads.secondPrimID(at[k]);
         out.turns[k] = uint8_t(quads.form(at[k]) & turns);
       }
     }

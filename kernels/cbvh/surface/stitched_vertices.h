@@ -23,7 +23,7 @@ namespace embree
   namespace isa
   {
     /*! Positions: the members that PositionTable requires, size(), the number of grids, position(vertex,step) and
-     *  forBorderEdges(grid,closure(a,b)). */
+     *  forEachBorderEdge(grid,closure(a,b)). */
     template<typename Positions>
     class StitchedVertices
     {
@@ -55,8 +55,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Returns where grids store a vertex. Ends of an edge can lie on other edges, which needs recursion; its depth
-       *  is limited, because overlapping grids can form a cycle. */
+      /*! Returns where grids store a vertex. Recursive, as ends of an edge can lie on other edges; depth is limited, as
+       *  overlapping grids can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -64,8 +64,8 @@ namespace embree
           const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
           return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
         }
-        auto hasPrecedence = [](const Stitched& s, Entry e) { return s.vertex < e; };
-        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,hasPrecedence)->edge;
+        auto vertexBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
+        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,vertexBefore)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
         return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // same parameter at all steps
       }
@@ -112,7 +112,7 @@ namespace embree
         forRanges(positions.size(),gridsPerTask,[&](const range<size_t>& r) {
             std::vector<Edge> ofTask;
             for (size_t i=r.begin(); i!=r.end(); i++)
-              positions.forBorderEdges(i,[&](Entry a, Entry b) { ofTask.push_back(Edge{ max(a,b),min(a,b) }); });
+              positions.forEachBorderEdge(i,[&](Entry a, Entry b) { ofTask.push_back(Edge{ max(a,b),min(a,b) }); });
             progress();
             Lock<MutexSys> lock(mutex);
             for (const Edge& edge : ofTask) edges.push_back(edge);
@@ -131,8 +131,8 @@ namespace embree
 
       void sort (mvector<Edge>& edges) const
       {
-        mvector<Edge> room(device,edges.size());
-        radix_sort_u64(edges.data(),room.data(),edges.size());
+        mvector<Edge> temporary(device,edges.size());
+        radix_sort_u64(edges.data(),temporary.data(),edges.size());
       }
 
       /*! Follows open edges on `edge`, from its begin. If they lead to its end, adds the vertices between to
@@ -161,7 +161,7 @@ namespace embree
       }
 
       /*! True if a vertex at parameter s lies on the edge after parameter t, at all time steps. The application's
-       *  rounding may move it by 1e-5 of the edge, or by 4e-7 of its largest coordinate, about 3 ulps. */
+       *  rounding may move it by 1e-5 of the edge, or by about 3 ulps (4e-7) of its largest coordinate. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
         if (!(t < s && s < 1.0)) return false;

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). Half-edge 3 t + e is edge e of triangle t, from
- * corner e to the next corner. */
+/* Half-edge 3 t + e is edge e of triangle t, from corner e to the next corner. */
 
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
@@ -15,7 +14,6 @@ namespace embree
 {
   namespace
   {
-    /*! Pairs the triangles of a mesh. */
     class PairFinder
     {
     public:
@@ -26,23 +24,23 @@ namespace embree
       {
         copyTriangles();
         findEdges();
-        fill(mates,size,unsigned(none));
+        fill(partners,size,unsigned(none));
         const Edges edges = chooseEdges();
         if (!edges.isNone() && edges.first != edges.second) pairBy(edges);
         spreadPairs(edges);
         size_t numPairs = 0;
-        for (size_t t=0; t<size; t++) numPairs += mates[t] != second;
+        for (size_t t=0; t<size; t++) numPairs += partners[t] != second;
         cbvh::resizeToFit(firsts,numPairs);
         cbvh::resizeToFit(seconds,numPairs);
         for (size_t t=0, i=0; t<size; t++)
-          if (mates[t] != second) {
+          if (partners[t] != second) {
             firsts[i] = triangles[t].number;
-            seconds[i++] = triangles[mates[t] == none ? t : mates[t]].number;
+            seconds[i++] = triangles[partners[t] == none ? t : partners[t]].number;
           }
       }
 
     private:
-      enum : unsigned { none = ~0u, second = ~1u }; //!< see `mates`
+      enum : unsigned { none = ~0u, second = ~1u }; //!< see `partners`
       static const size_t perTask = size_t(1) << 14;
       static const size_t samples = 4096;
 
@@ -68,7 +66,7 @@ namespace embree
       };
 
       static unsigned next (unsigned half) { return half % 3 == 2 ? half-2 : half+1; }
-      static unsigned before (unsigned half) { return half % 3 == 0 ? half+2 : half-1; }
+      static unsigned previous (unsigned half) { return half % 3 == 0 ? half+2 : half-1; }
 
       static void fill (mvector<unsigned>& table, size_t size, unsigned value)
       {
@@ -99,16 +97,16 @@ namespace embree
       bool areScattered () const
       {
         const size_t step = max(size/samples,size_t(2));
-        size_t numSampled = 0, far = 0;
+        size_t numSampled = 0, numFar = 0;
         for (size_t t=0; t+1<size; t+=step, numSampled++) {
           const unsigned a = vertexOf(triangle(t)), b = vertexOf(triangle(t+1));
-          far += size_t(max(a,b)-min(a,b)) > numVertices/64;
+          numFar += size_t(max(a,b)-min(a,b)) > numVertices/64;
         }
-        return 2*far > numSampled;
+        return 2*numFar > numSampled;
       }
 
       /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
-       *  their vertices, because consecutive vertices are often near each other. */
+       *  their vertices, which often are near each other if consecutive. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -122,7 +120,7 @@ namespace embree
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++) increment(ends[vertexOf(triangle(t))]);
           });
-        sumUp(ends);
+        prefixSums(ends);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++) {
               const Triangle t = triangle(i);
@@ -142,13 +140,11 @@ namespace embree
         cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
       }
 
-      /*! Returns the decremented value. */
       static unsigned decrement (unsigned& count) {
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! Replaces counts by the ends of their ranges. */
-      static void sumUp (mvector<unsigned>& counts)
+      static void prefixSums (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
         for (unsigned& count : counts) count = sum += count;
@@ -174,7 +170,7 @@ namespace embree
             for (size_t t=r.begin(); t!=r.end(); t++)
               forEachHalf(t,[&](unsigned v, const Half&) { increment(ends[v]); });
           });
-        sumUp(ends);
+        prefixSums(ends);
         cbvh::resizeToFit(halves,ends[numVertices]);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
@@ -240,11 +236,11 @@ namespace embree
       {
         const unsigned half = sharedHalf(triangle,edges);
         if (half == none) return none;
-        const unsigned other = opposite[half], mate = other/3;
-        if (sharedHalf(mate,edges) != other) return none;
-        isFirst = edges.first == edges.second ? triangles[triangle].number < triangles[mate].number
+        const unsigned other = opposite[half], partner = other/3;
+        if (sharedHalf(partner,edges) != other) return none;
+        isFirst = edges.first == edges.second ? triangles[triangle].number < triangles[partner].number
                                               : half % 3 == edges.first;
-        return mate;
+        return partner;
       }
 
       /*! Statistics of the pairs that two edges create, from a sample. */
@@ -266,10 +262,10 @@ namespace embree
         {
           const unsigned t = unsigned(i);
           bool isFirst;
-          const unsigned mate = partnerOf(t,edges,isFirst);
-          if (mate == none) continue;
+          const unsigned partner = partnerOf(t,edges,isFirst);
+          if (partner == none) continue;
           pairing.paired++;
-          pairing.lower += isFirst == (triangles[t].number < triangles[mate].number);
+          pairing.lower += isFirst == (triangles[t].number < triangles[partner].number);
           pairing.length += lengthOf(3*t + (edges.first == edges.second || isFirst ? edges.first : edges.second));
         }
         return pairing;
@@ -300,8 +296,8 @@ namespace embree
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++) {
               bool isFirst;
-              const unsigned mate = partnerOf(unsigned(t),edges,isFirst);
-              if (mate != none) mates[t] = isFirst ? mate : unsigned(second);
+              const unsigned partner = partnerOf(unsigned(t),edges,isFirst);
+              if (partner != none) partners[t] = isFirst ? partner : unsigned(second);
             }
           });
       }
@@ -315,32 +311,32 @@ namespace embree
           const unsigned other = opposite[half];
           if (!edges.isNone() && (half % 3 != edges.first || other % 3 != edges.second)
               && (half % 3 != edges.second || other % 3 != edges.first)) return false;
-          return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
+          return partners[half/3] == none && partners[other/3] == none && half/3 != other/3;
         };
         std::vector<unsigned> found; // shared half-edges of first triangles
-        auto take = [&](unsigned half) {
-          mates[half/3] = opposite[half]/3;
-          mates[opposite[half]/3] = second;
+        auto addPair = [&](unsigned half) {
+          partners[half/3] = opposite[half]/3;
+          partners[opposite[half]/3] = second;
           found.push_back(half);
         };
         for (size_t t=0, done=0; t<size; t++, done=0)
         {
-          if (mates[t] != none) continue;
+          if (partners[t] != none) continue;
           unsigned longest = none;
           for (unsigned half=unsigned(3*t); half<unsigned(3*t)+3; half++)
             if (isFree(half) && (longest == none || lengthOf(half) > lengthOf(longest))) longest = half;
           if (longest == none) continue;
-          take(longest);
+          addPair(longest);
           for (; done<found.size(); done++)
           {
             /* Corners are 00, 10, 01 and 11, 01, 10. `half` leads from 10 to 01 in the first triangle. */
             const unsigned half = found[done], back = opposite[half];
-            const unsigned right = opposite[next(back)], up = opposite[before(back)];
-            const unsigned left = opposite[next(half)], down = opposite[before(half)];
-            if (right != none && isFree(before(right))) take(before(right));
-            if (up != none && isFree(next(up))) take(next(up));
-            if (left != none && isFree(before(left))) take(opposite[before(left)]);
-            if (down != none && isFree(next(down))) take(opposite[next(down)]);
+            const unsigned right = opposite[next(back)], up = opposite[previous(back)];
+            const unsigned left = opposite[next(half)], down = opposite[previous(half)];
+            if (right != none && isFree(previous(right))) addPair(previous(right));
+            if (up != none && isFree(next(up))) addPair(next(up));
+            if (left != none && isFree(previous(left))) addPair(opposite[previous(left)]);
+            if (down != none && isFree(next(down))) addPair(opposite[next(down)]);
           }
           found.clear();
         }
@@ -349,11 +345,11 @@ namespace embree
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
-      cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and partners are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< counting sort: end, later begin, of each vertex's range
       cbvh::UnmonitoredVector<Half> halves;        //!< by lower vertex
       cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
-      cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
+      cbvh::UnmonitoredVector<unsigned> partners;  //!< second triangle of a first one, `second`, or none
     };
 
     /*! Decides whether the search for grids is worthwhile, by the number of triangles per vertex: six in a regular
@@ -368,27 +364,27 @@ namespace embree
        *  regular meshes, most quads would be irregular. */
       bool areVerticesRegular ()
       {
-        const bool areFew = numVertices < 4096;
-        count([&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }); // one vertex in 64
+        const bool isSmall = numVertices < 4096;
+        count([&](unsigned vertex) { return isSmall || (vertex*0x9E3779B1u) >> 26 == 0; }); // one vertex in 64
         const size_t unused = size_t(std::count(counts.begin(),counts.end(),0));
         return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
       }
 
       /*! True if at least a quarter of the triangles are inside of a regular part: all their vertices, and all adjacent
-       *  ones, have six triangles. CAD models have fewer where cylinders and fillets are narrow strips: the search
-       *  would take as long as the rest of the build, and its regions hardly reduce memory but slow rays. */
+       *  ones, have six triangles. In CAD models, where cylinders and fillets are narrow strips, the search would take
+       *  as long as the rest of the build, and its regions hardly reduce memory but slow rays. */
       bool hasWideParts ()
       {
         count([](unsigned) { return true; });
-        const uint8_t shallow = 128; // bit of a vertex with six triangles if an adjacent one differs
+        const uint8_t nearIrregular = 128; // bit of a vertex with six triangles if an adjacent one differs
         forEachTriangle([&](const unsigned v[3]) {
             if (!areValid(v)) return;
-            auto isSix = [&](int c) { return (countOf(v[c]) | shallow) == (6 | shallow); };
+            auto isSix = [&](int c) { return (countOf(v[c]) | nearIrregular) == (6 | nearIrregular); };
             if (isSix(0) && isSix(1) && isSix(2)) return;
             for (int c=0; c<3; c++)
-              if (isSix(c)) cbvh::AtomicRef<uint8_t>(counts[v[c]]).fetchOr(shallow,std::memory_order_relaxed);
+              if (isSix(c)) cbvh::AtomicRef<uint8_t>(counts[v[c]]).fetchOr(nearIrregular,std::memory_order_relaxed);
           });
-        const size_t numDeep = parallel_reduce(size_t(0),size,size_t(perTask),size_t(0),[&](const range<size_t>& r) {
+        const size_t numInside = parallel_reduce(size_t(0),size,size_t(perTask),size_t(0),[&](const range<size_t>& r) {
             size_t n = 0;
             for (size_t t=r.begin(); t!=r.end(); t++) {
               unsigned v[3];
@@ -397,7 +393,7 @@ namespace embree
             }
             return n;
           },std::plus<size_t>());
-        return 4*numDeep >= size;
+        return 4*numInside >= size;
       }
 
     private:
@@ -440,19 +436,19 @@ namespace embree
       cbvh::UnmonitoredVector<uint8_t> counts; //!< triangles per vertex, modulo 256
     };
 
-    /*! True if almost all sampled triangles of the mesh's first half share an edge with the corresponding triangle of
-     *  the second half. */
+    /*! True if almost all sampled triangles of the mesh's first half share an edge with the corresponding one of the
+     *  second. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       if (mesh->triangles.size() != 2*n) return false;
       size_t numSampled = 0, joined = 0;
-      for (size_t t=0; t<n; t+=step, numSampled++) joined += triangles.areJoined(t,n+t);
+      for (size_t t=0; t<n; t+=step, numSampled++) joined += triangles.shareEdge(t,n+t);
       return 16*joined >= 15*numSampled;
     }
 
-    /*! Pairs each triangle of the first half with the corresponding one of the second half, if they share an edge. */
+    /*! Pairs corresponding triangles of both halves that share an edge. */
     bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                      mvector<unsigned>& seconds)
     {
@@ -463,7 +459,7 @@ namespace embree
       const size_t numJoined = parallel_reduce(size_t(0),n,size_t(1) << 14,size_t(0),[&](const range<size_t>& r) {
           size_t numJoined = 0;
           for (size_t t=r.begin(); t!=r.end(); t++) {
-            const bool isJoined = triangles.areJoined(t,n+t);
+            const bool isJoined = triangles.shareEdge(t,n+t);
             firsts[t] = unsigned(t);
             seconds[t] = unsigned(isJoined ? n+t : t);
             numJoined += isJoined;

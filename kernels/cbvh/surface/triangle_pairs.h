@@ -6,9 +6,9 @@
 /* Finds pairs of triangles that share an edge, anywhere in the index buffer, for quad_regions.cpp. In a regular mesh,
  * an inner triangle has three neighbors. Pairs form a grid of quads if their shared edges have the same direction:
  *
- * - Programs that split quads begin all first triangles at the same corner, and all second triangles. The shared edge
- *   then has the same index in all first triangles, and in all second ones. Of several such directions, the longest
- *   edge is chosen, which is a quad's diagonal.
+ * - Programs that split quads begin all first triangles at the same corner, and all second ones. The shared edge then
+ *   has one index in all first triangles, and one in all second ones. Of several such directions, the longest edge is
+ *   chosen, as the quads' diagonal.
  * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid.
  *
  * Edges separate regions if they do not have exactly two triangles, or if both have the same direction. */
@@ -18,10 +18,10 @@
 
 namespace embree
 {
-  /*! Sets firsts and seconds to the triangles of each pair, in any order. Each triangle is in exactly one pair; one
-   *  without a partner is also its own second triangle. welded: null if all vertices differ. The result is independent
-   *  of the number of threads. Returns false if most vertices do not have six triangles, if regular parts are narrow
-   *  strips, or if edges cannot be numbered in 32 bits. */
+  /*! Sets firsts and seconds to the triangles of each pair, in any order, independently of the number of threads. Each
+   *  triangle is in exactly one pair; one without a partner is also its own second triangle. welded: null if all
+   *  vertices differ. Returns false if most vertices do not have six triangles, if regular parts are narrow strips, or
+   *  if edges cannot be numbered in 32 bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);
 }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the lowest ISA of the library (files.cmake). A hash of positions distributes vertices to buckets.
- * A task processes a bucket with a table that fits into a cache. */
+/* A hash of positions distributes vertices to buckets. A task processes a bucket with a table that fits into a
+ * cache. */
 
 #include "welded_vertices.h"
 #include "../base/resize_to_fit.h"

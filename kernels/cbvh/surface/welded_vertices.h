@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Welds the vertices of a mesh by position. Exporters duplicate vertices with different normals or texture coordinates.
- * Only positions determine hits, so vertices that are equal floats at all time steps count as one. Zero and minus zero
- * are equal. */
+/* Welds the vertices of a mesh by position. Exporters duplicate vertices with different normals or texture coordinates,
+ * which do not affect hits. Vertices that are equal floats at all time steps count as one; zero equals minus zero. */
 
 #include "../base/unmonitored_memory.h"
 #include <memory>
@@ -15,8 +14,8 @@ namespace embree
   class WeldedVertices
   {
   public:
-    /*! Welds n vertices. Returns null if no two are equal. steps: one buffer per time step, with at least n vertices.
-     *  The result is independent of the number of threads. */
+    /*! Welds n vertices, independently of the number of threads. Returns null if no two are equal. steps: one buffer
+     *  per time step, with at least n vertices. */
     static std::shared_ptr<const WeldedVertices> find (const BufferView<Vec3fa>* steps, unsigned numSteps,
                                                        size_t n);
 

@@ -38,7 +38,7 @@ namespace embree
             cbvh::MeshTriangle& triangle = triangles[n];
             triangle.number = from.mesh.triangleOf(cluster[i].index,k);
             if (from.mesh.areHalvesOfQuads() && from.isDegenerate(triangle.number)) continue; // a quad's empty half
-            moved = max(moved,from.store(triangle.number,triangle.corners));
+            moved = max(moved,from.snapCorners(triangle.number,triangle.corners));
             n += hasThreeCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
           }
         });

@@ -32,8 +32,8 @@ namespace embree
             const uint32_t number = from.mesh.triangleOf(cluster[i].index,k);
             if (from.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
             triangles[n].number = number;
-            from.identify(number,ids[n]);
-            for (int c=0; c<3; c++) moved = max(moved,from.storeVertex(0,ids[n][c],triangles[n].corners[c]));
+            from.cornerIDs(number,ids[n]);
+            for (int c=0; c<3; c++) moved = max(moved,from.snapVertex(0,ids[n][c],triangles[n].corners[c]));
             n++;
           }
         });
@@ -43,7 +43,7 @@ namespace embree
         cbvh::MeshStatistics ofBlocks;
         encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
           [&](uint32_t step, uint32_t id, float out[3]) {
-            moved = max(moved,from.storeVertex(step,id,out));
+            moved = max(moved,from.snapVertex(step,id,out));
             extend(boxes[step],out);
           },
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,first,stored); });

@@ -15,9 +15,9 @@ namespace {
 const double lattice = 0x1p-10;
 const double slack = 1e-3; // of parameters: triangles are small
 
-class LooseMeshes : public testing::TestWithParam<const char*> {};
+class IrregularMeshes : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Isas, LooseMeshes, testing::Values(TEST_ISAS), nameOfIsa);
+INSTANTIATE_TEST_SUITE_P(Isas, IrregularMeshes, testing::Values(TEST_ISAS), nameOfIsa);
 
 void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random)
 {
@@ -29,7 +29,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   expectSameQueries(embree, scene, raysAt(random, mesh, 1003), slack);
 }
 
-TEST_P(LooseMeshes, HitsMatchEmbree)
+TEST_P(IrregularMeshes, HitsMatchEmbree)
 {
   for (const char* error : {"", ",cbvh_max_error=0"}) {
     Device device((GetParam() + std::string(error)).c_str());
@@ -44,7 +44,7 @@ TEST_P(LooseMeshes, HitsMatchEmbree)
   }
 }
 
-TEST_P(LooseMeshes, MasksFiltersAndInstances)
+TEST_P(IrregularMeshes, MasksFiltersAndInstances)
 {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
@@ -58,7 +58,7 @@ TEST_P(LooseMeshes, MasksFiltersAndInstances)
 }
 
 // Rays from inside a closed surface at edges and vertices, for any lattice, welded or not.
-TEST_P(LooseMeshes, ClosedSurfacesDoNotLeak)
+TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak)
 {
   for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.05"}) {
     Device device((GetParam() + std::string(error)).c_str());
@@ -83,7 +83,7 @@ TEST_P(LooseMeshes, ClosedSurfacesDoNotLeak)
   }
 }
 
-TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
+TEST(IrregularMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
 {
   Memory memory;
   Device device;
@@ -108,7 +108,7 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
 }
 
 // If most triangles are so thin that the default lattice flips them, all vertices use a finer one.
-TEST(LooseMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
+TEST(IrregularMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
 {
   const auto spacingOf = [](float width, unsigned thin) {
     Device device;
@@ -138,7 +138,7 @@ TEST(LooseMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
 }
 
 // Blocks of a part of a mesh leave no large remainders of allocations.
-TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
+TEST(IrregularMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 {
   for (unsigned side : {150, 180, 205, 230, 255, 290, 520}) {
     SCOPED_TRACE(side);
@@ -160,7 +160,7 @@ TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 }
 
 // In a mesh that is mostly irregular, small grids without an order of their triangles would take more memory.
-TEST(LooseMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks)
+TEST(IrregularMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks)
 {
   Device device;
   Random random(156);
