@@ -205,7 +205,7 @@ namespace embree
               & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=acceptedNow; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
           }
           accepted |= acceptedNow;
           return done;
@@ -225,7 +225,7 @@ namespace embree
             const SurfacePoint point = pointOfNumberedQuad(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] });
             hit.u = point.u; hit.v = point.v;
             if (!cbvh::report(rays,k,context,block->surface,point.primID,hit)) continue;
-            vertRays.nearest(k) = VertNearest(block,32*g+h,t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+h,t[k]);
             accepted |= 1u << k;
           }
           return accepted;

@@ -118,7 +118,7 @@ namespace embree
           const vfloatV w0 = edgeSide(x[1],y[1],x[2],y[2]);
           const vfloatV w1 = edgeSide(x[2],y[2],x[0],y[0]);
           const vfloatV w2 = edgeSide(x[0],y[0],x[1],y[1]);
-          inside[j] = isInside(w0,w1,w2);
+          inside[j] = mayContain(w0,w1,w2);
           sides.set(int(j),w0,w1,w2);
         }
         return lanesOf(inside) & triangles.lanes;

@@ -41,14 +41,14 @@ namespace embree
       };
 
       /*! The nearest hit of a ray in cVERT and mesh blocks. */
-      struct VertNearest
+      struct NearestVertHit
       {
         const VertHeader* block; //!< null without a hit
         uint32_t triangle;       //!< in the block: 32 times the lane of the group, plus the triangle in the group
         float t;
 
-        __forceinline VertNearest () : block(nullptr) {}
-        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
+        __forceinline NearestVertHit () : block(nullptr) {}
+        __forceinline NearestVertHit (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
         /*! True if another triangle, hit at the same distance, takes precedence over this hit. Requires a hit. */
@@ -71,7 +71,7 @@ namespace embree
         uint32_t descends; //!< bit k: rcp[k] is negative
         VertCache* cache; //!< cache of the calling thread
 
-        mutable VertNearest nearest; //!< updated by accepted hits
+        mutable NearestVertHit nearest; //!< updated by accepted hits
 
         __forceinline VertRay () : isSet(false) {}
 
@@ -131,7 +131,7 @@ namespace embree
           for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
         }
 
-        __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
+        __forceinline NearestVertHit& nearest (size_t k) { return rays[k].nearest; }
 
         /*! Ray k for tests of triangles: rcp, largest, descends and cache are not set. */
         __forceinline const VertRay& at (size_t k)

@@ -42,7 +42,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! True if the ray's line passes through the triangle. sides: see sides(); isInside must be true for them. */
+        /*! True if the ray's line passes through the triangle. sides: see sides(); mayContain must be true for them. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(haveExactSigns(sides)) || containsExactly(ray);
         }
@@ -132,16 +132,16 @@ namespace embree
             const vfloatV bottom = edgeSide(x[0],y[0],x[1],y[1]);
             const vfloatV right  = edgeSide(x[1],y[1],x[3],y[3]);
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
-            first[j] = isInside(diag,left,bottom);
-            second[j] = isInside(right,top,-diag);
+            first[j] = mayContain(diag,left,bottom);
+            second[j] = mayContain(right,top,-diag);
             halves[0].set(j,diag,left,bottom);
             halves[1].set(j,right,top,-diag);
           }
-          const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), met = firsts | (seconds << 16);
-          if (met == 0) return;
+          const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), candidates = firsts | (seconds << 16);
+          if (candidates == 0) return;
           // in most cases there is one triangle
-          const uint32_t one = uint32_t(bsf(met));
-          const bool isOne = (met & (met-1)) == 0;
+          const uint32_t one = uint32_t(bsf(candidates));
+          const bool isOne = (candidates & (candidates-1)) == 0;
           mask = likely(isOne) ? 1u << (2*(one & 15u) + (one >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
 
@@ -204,7 +204,7 @@ namespace embree
             {
               const Point right = vertex(i+1,j+1);
               const vfloat<K> diag = side(below[i+1],left), rightSide = side(below[i+1],right), top = side(right,left);
-              const vbool<K> first = isInside(diag,leftSide,bottom[i]), second = isInside(rightSide,top,-diag);
+              const vbool<K> first = mayContain(diag,leftSide,bottom[i]), second = mayContain(rightSide,top,-diag);
               if (unlikely(any(first | second)))
                 mask |= select(first,vint<K>(int(1u << (2*(4*j+i)))),vint<K>(zero))
                   | select(second,vint<K>(int(2u << (2*(4*j+i)))),vint<K>(zero));
