@@ -38,7 +38,7 @@ namespace embree
 
         __forceinline vbool<K> run (vbool<K> valid)
         {
-          vint<K> form = vertRays.form;
+          vint<K> rayClass = vertRays.rayClass;
           if (unlikely(cached.decodedBoxes() == nullptr)) {
             if (!cached.isUsable()) return vbool<K>(false);
             if (likely(!isRaw(block->boxForm))) valid &=
@@ -48,13 +48,14 @@ namespace embree
           const VertBoxes& boxes = cached.boxes();
           if (likely(boxes.axis < 3)) {
             sheared = ShearedRay<vfloat<K>>(vertRays,boxes);
-            form |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
+            rayClass |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
           }
           for (uint32_t rest=uint32_t(movemask(valid)); rest;)
           {
-            const uint32_t k = uint32_t(bsf(rest)), same = rest & uint32_t(movemask(form == vint<K>(form[k])));
+            const uint32_t k = uint32_t(bsf(rest));
+            const uint32_t same = rest & uint32_t(movemask(rayClass == vint<K>(rayClass[k])));
             rest &= ~same;
-            intersectTogether(same,uint32_t(form[k]));
+            intersectTogether(same,uint32_t(rayClass[k]));
           }
           return vbool<K>(int(found));
         }
@@ -101,16 +102,16 @@ namespace embree
           }
         };
 
-        /*! Intersects the block with the rays of a mask, which have the same form. form: see VertRays; bit 5 is set if
-         *  the direction along the sheared axis is negative. */
-        void intersectTogether (uint32_t mask, uint32_t form)
+        /*! Intersects the block with the rays of a mask, which have the same class. rayClass: see VertRays; bit 5 is set
+         *  if the direction along the sheared axis is negative. */
+        void intersectTogether (uint32_t mask, uint32_t rayClass)
         {
           vbool<K> lanes = vbool<K>(int(mask));
           const VertBoxes& boxes = cached.boxes();
           for (int k=0; k<3; k++) {
-            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
+            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(rayClass & 32u) != 0);
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
-              boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+              boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(rayClass >> (2+k)) & 1u);
           }
           uint32_t open = intersectBoxes(lanes,boxes);
           while (open)
@@ -118,7 +119,7 @@ namespace embree
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             const vbool<K> entering = lanes & intersectBox(cached.boxes(),g);
             if (none(entering)) continue;
-            const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),form & 3u,g);
+            const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),rayClass & 3u,g);
             found |= accepted;
             if (IsAnyHit<Rays>::value && accepted) {
               lanes = andn(lanes,vbool<K>(int(accepted)));
