@@ -47,7 +47,7 @@ namespace embree
             repeatBits = bitsFor(locals);
           const uint32_t lanes = 0xFFFFFFFFu >> (32-count);
           out.lanes = uint16_t(half ? lanes >> 16 : lanes);
-          out.isFirstOfTwo = half == 0 && count > 16;
+          out.hasNextHalf = half == 0 && count > 16;
           out.numVertices = uint8_t(locals);
           Bits at(block,boxes.topologyBegin+boxes.topology[g]);
           const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
@@ -432,11 +432,11 @@ namespace embree
           }
           out.topologyBegin = 8*layout.topology;
           out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
-          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldsOfZero)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldBitOfVertex0)+7) & ~7u);
           storeSums(numbers,out.numbers);
           storeSums(own,out.firstVertex);
           for (int half=0; half<2; half++) {
-            __m128i* const zero = (__m128i*)out.fieldsOfZero + half;
+            __m128i* const zero = (__m128i*)out.fieldBitOfVertex0 + half;
             const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
               size = half ? _mm_unpackhi_epi8(all,none) : _mm_unpacklo_epi8(all,none);
             _mm_store_si128(zero,_mm_sub_epi16(_mm_load_si128(zero),_mm_mullo_epi16(first,size)));
@@ -510,10 +510,10 @@ namespace embree
           }
 #endif
           for (uint32_t rest=owns; rest; rest&=rest-1, first++)
-            readVertex(boxes,g,boxes.fieldsOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
+            readVertex(boxes,g,boxes.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
           for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1) {
             const uint32_t v = others.take(otherBits), of = groupOfVertex(boxes,v);
-            readVertex(boxes,of,boxes.fieldsOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+            readVertex(boxes,of,boxes.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
 
@@ -595,8 +595,9 @@ namespace embree
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
-          // first bits of fields, see fieldsOfVertex
-          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldsOfZero), byte = _mm256_set1_epi16(255);
+          // first bits of fields, see fieldBitOfVertex
+          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldBitOfVertex0),
+            byte = _mm256_set1_epi16(255);
           const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
             zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
           const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
