@@ -65,31 +65,31 @@ namespace embree
         {
           vfloat<K> org, rcp, slack;
           float orgLow, orgHigh, rcpLow, rcpHigh, slackHigh;
-          bool descends;
+          bool isNegative;
 
           __forceinline void set (const vbool<K>& lanes, const vfloat<K>& org, const vfloat<K>& rcp,
-                                  const vfloat<K>& error, bool descends)
+                                  const vfloat<K>& error, bool isNegative)
           {
-            this->org = org; this->rcp = rcp; this->descends = descends;
+            this->org = org; this->rcp = rcp; this->isNegative = isNegative;
             slack = error*abs(rcp);
             orgLow = lowest(lanes,org); orgHigh = highest(lanes,org);
             rcpLow = lowest(lanes,rcp); rcpHigh = highest(lanes,rcp);
             slackHigh = highest(lanes,slack);
           }
 
-          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
-          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
+          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[isNegative]; }
+          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!isNegative]; }
 
           /*! Lower bound of all rays' entry distances, one box per lane; leave() returns the upper bound of their exit
            *  distances. Conservative: rounding is monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
-            const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
+            const vfloatV d = planes - vfloatV(isNegative ? orgLow : orgHigh), slack(slackHigh);
             return min(msub(d,vfloatV(rcpLow),slack),msub(d,vfloatV(rcpHigh),slack));
           }
           __forceinline vfloatV leave (const vfloatV& planes) const
           {
-            const vfloatV d = planes - vfloatV(descends ? orgHigh : orgLow), slack(slackHigh);
+            const vfloatV d = planes - vfloatV(isNegative ? orgHigh : orgLow), slack(slackHigh);
             return max(madd(d,vfloatV(rcpLow),slack),madd(d,vfloatV(rcpHigh),slack));
           }
 

@@ -68,7 +68,7 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< kz: axis of the largest component of dir, then the next axes kx and ky
         float sx, sy;     //!< shear: dir[kx]/dir[kz] and dir[ky]/dir[kz]
-        uint32_t descends; //!< bit k: rcp[k] is negative
+        uint32_t negativeAxes; //!< bit k: rcp[k] is negative
         VertCache* cache; //!< cache of the calling thread
 
         mutable NearestVertHit nearest; //!< updated by accepted hits
@@ -84,7 +84,7 @@ namespace embree
           vfloat4::store(org,vfloat4(Vec3fa(ray.org).m128));
           vfloat4::store(dir,direction);
           vfloat4::store(rcp,reciprocals);
-          descends = uint32_t(movemask(reciprocals < vfloat4(zero)));
+          negativeAxes = uint32_t(movemask(reciprocals < vfloat4(zero)));
           const Vec3fa a = abs(Vec3fa(ray.dir));
           largestComponent = max(max(a.x,a.y),a.z);
           kz = largestAxis(a.x,a.y,a.z);
@@ -133,7 +133,7 @@ namespace embree
 
         __forceinline NearestVertHit& nearest (size_t k) { return rays[k].nearest; }
 
-        /*! Ray k for tests of triangles: rcp, largestComponent, descends and cache are not set. */
+        /*! Ray k for tests of triangles: rcp, largestComponent, negativeAxes and cache are not set. */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];

@@ -116,9 +116,9 @@ namespace embree
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
-          const CellVector z = from(ray,group,ray.kz);
-          const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z));
-          const QuadCornersV cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
+          const CellVector z = relativeToRay(ray,group,ray.kz);
+          const QuadCornersV cornersX(shearToRay(relativeToRay(ray,group,ray.kx),ray.sx,z));
+          const QuadCornersV cornersY(shearToRay(relativeToRay(ray,group,ray.ky),ray.sy,z));
           vboolV first[QuadCornersV::vectors], second[QuadCornersV::vectors];
           for (int j=0; j<QuadCornersV::vectors; j++)
           {
@@ -137,24 +137,26 @@ namespace embree
             halves[0].set(j,diag,left,bottom);
             halves[1].set(j,right,top,-diag);
           }
-          const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), candidates = firsts | (seconds << 16);
-          if (candidates == 0) return;
+          const uint32_t firstMask = lanesOf(first), secondMask = lanesOf(second);
+          const uint32_t candidateMask = firstMask | (secondMask << 16);
+          if (candidateMask == 0) return;
           // in most cases there is one triangle
-          const uint32_t one = uint32_t(bsf(candidates));
-          const bool isOne = (candidates & (candidates-1)) == 0;
-          mask = likely(isOne) ? 1u << (2*(one & 15u) + (one >> 4)) : spread(firsts) | (spread(seconds) << 1);
+          const uint32_t lowest = uint32_t(bsf(candidateMask));
+          const bool isSingle = (candidateMask & (candidateMask-1)) == 0;
+          mask = likely(isSingle) ? 1u << (2*(lowest & 15u) + (lowest >> 4))
+            : spread(firstMask) | (spread(secondMask) << 1);
         }
 
       private:
         SidesInLanes halves[2]; //!< of the first triangles of all quads, and of the second
 
-        static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
+        static __forceinline CellVector relativeToRay (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
           return CellVector(group.at[k]).with([&](const vfloatV& x) { return x - org; });
         }
 
-        static __forceinline CellVector sheared (const CellVector& x, float shear, const CellVector& z)
+        static __forceinline CellVector shearToRay (const CellVector& x, float shear, const CellVector& z)
         {
           const vfloatV s(shear);
           return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
