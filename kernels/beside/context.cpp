@@ -45,7 +45,7 @@ CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, v
   : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
 {
   if (!device) {
-    const std::string reason = embree::takeSettingError();
+    const std::string reason = embree::fetchSettingError();
     throw Failure{codeOf(rtcGetDeviceError(nullptr)),
       std::string("cannot create a context with the settings '") + (settings ? settings : "") + "'"
         + (reason.empty() ? "" : ": " + reason)};

@@ -31,7 +31,7 @@ struct Grown
 CBVH_GROWING_STRUCT(Grown, b);
 
 // a function of the library that is not exported
-void invalidArgument(const std::string& text) { throw std::invalid_argument(text); }
+void throwInvalidArgument(const std::string& text) { throw std::invalid_argument(text); }
 
 }} // namespace embree::core
 

@@ -15,7 +15,7 @@
 #include "fuzz_traversal.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
 #include "kernels/cvert/decoder/validate.h"
-#include "kernels/cbvh/traversal/kind_visitors1.h"
+#include "kernels/cbvh/traversal/leaf_intersectors1.h"
 
 #include <algorithm>
 #include <memory>

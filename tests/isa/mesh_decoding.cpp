@@ -86,13 +86,13 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
       const DecodedMeshGroup expected(view, g);
       MeshTriangles halves[2];
       decoder.triangles(*boxes, g, 0, halves[0]);
-      ASSERT_EQ(halves[0].isFirstOfTwo, expected.numTriangles > 16);
-      if (halves[0].isFirstOfTwo) {
+      ASSERT_EQ(halves[0].hasNextHalf, expected.numTriangles > 16);
+      if (halves[0].hasNextHalf) {
         decoder.triangles(*boxes, g, 1, halves[1]);
-        ASSERT_FALSE(halves[1].isFirstOfTwo);
+        ASSERT_FALSE(halves[1].hasNextHalf);
         ASSERT_EQ(halves[1].lanes, 0xFFFFu >> (32 - expected.numTriangles));
       }
-      ASSERT_EQ(halves[0].lanes, halves[0].isFirstOfTwo ? 0xFFFFu : 0xFFFFu >> (16 - expected.numTriangles));
+      ASSERT_EQ(halves[0].lanes, halves[0].hasNextHalf ? 0xFFFFu : 0xFFFFu >> (16 - expected.numTriangles));
       for (uint32_t t = 0; t < expected.numTriangles; t++) {
         ASSERT_EQ(decoder.number(*boxes, g, t), expected.numbers[t]);
         for (int c = 0; c < 3; c++) {

@@ -47,11 +47,11 @@ void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
       if (lane == 0) {
         decoder.triangles(*boxes, g, half, *group);
         ASSERT_EQ(group->begin.lanes, (1u << std::min(16u, count - 16*half)) - 1);
-        ASSERT_EQ(group->begin.isFirstOfTwo, half == 0 && count > 16);
+        ASSERT_EQ(group->begin.hasNextHalf, half == 0 && count > 16);
       }
       const MeshTriangles& atTime = moving.triangles(g, half);
       ASSERT_EQ(atTime.lanes, group->begin.lanes);
-      ASSERT_EQ(atTime.isFirstOfTwo, group->begin.isFirstOfTwo);
+      ASSERT_EQ(atTime.hasNextHalf, group->begin.hasNextHalf);
       ASSERT_EQ(moving.point(g, t, 0.25f, 0.5f).primID, ends[0]->numbers[i]);
       for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++) {

@@ -245,7 +245,7 @@ void comparePacketsWithRays()
     for (uint32_t kz = 0; kz < 3; kz++) {
       const GroupTrianglesK<K> triangles(together, kz, cell);
       for (int r = 0; r < K; r++) {
-        if (uint32_t(together.form[r] & 3) != kz) continue;
+        if (uint32_t(together.rayClass[r] & 3) != kz) continue;
         ASSERT_EQ(rays[r].kz, int(kz));
         const uint32_t mask = GroupTriangles(rays[r], cell).mask;
         ASSERT_EQ(uint32_t(triangles.mask[r]), mask) << "case " << i << ", ray " << r << " of " << K;

@@ -119,8 +119,8 @@ FUNCTIONS = (
     Entry("MeshDecoder", 7, MESH_DECODING),
     Entry("trianglesHitByLine", 2, MESH_DECODING, {"y [ [3 => 4] ]": "an element more, which nothing reads"}),
     Entry("setWindows", 2, DECODING),
-    Entry("::isInside", 2, TRIANGLES, {
-        "isInside, word": "triangles that miss the ray are rejected by their own sides",
+    Entry("::mayContain", 2, TRIANGLES, {
+        "mayContain, word": "triangles that miss the ray are rejected by their own sides",
         "<= Real ( [0.0f => 1.0f]": "triangles that miss the ray are rejected by their own sides",
     }),
     Entry("triangleSides", 2, TRIANGLES + HITS),

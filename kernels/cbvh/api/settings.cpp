@@ -25,7 +25,7 @@ namespace embree
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
     std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
-    keepSettingError(message);
+    storeSettingError(message);
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 

@@ -64,7 +64,7 @@ namespace embree
     }
 
     /*! Returns the Levenshtein distance of two words, computed row by row. */
-    size_t distance (const std::string& a, const std::string& b)
+    size_t editDistance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
       for (size_t j=0; j<=b.size(); j++) row[j] = j;
@@ -82,7 +82,7 @@ namespace embree
     }
 
     /*! Returns the accepted values; none if values are not checked by a list. */
-    std::vector<std::string> wordsOf (Value value)
+    std::vector<std::string> acceptedValues (Value value)
     {
       switch (value) {
       case Value::Isa:
@@ -106,12 +106,12 @@ namespace embree
       return (stream >> number) && stream.eof();
     }
 
-    std::string findDeviceStringError (const Key& key, std::string value)
+    std::string findValueError (const Key& key, std::string value)
     {
-      const std::string begin = "invalid value \"" + value + "\" of " + key.name + ": ";
-      if (value.empty()) return begin + "expected " + key.name + "=<value>";
-      if (key.value == Value::Number) return isNumber(value) ? "" : begin + "expected a number";
-      const std::vector<std::string> words = wordsOf(key.value);
+      const std::string prefix = "invalid value \"" + value + "\" of " + key.name + ": ";
+      if (value.empty()) return prefix + "expected " + key.name + "=<value>";
+      if (key.value == Value::Number) return isNumber(value) ? "" : prefix + "expected a number";
+      const std::vector<std::string> words = acceptedValues(key.value);
       if (words.empty()) return "";
       for (char& c : value)
         if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // Embree ignores case, too
@@ -122,7 +122,7 @@ namespace embree
         if (std::find(words.begin(),words.end(),word) != words.end()) continue;
         std::string all;
         for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-        return begin + "did you mean " + nearestWord(word,words) + "? Expected one of " + all;
+        return prefix + "did you mean " + nearestWord(word,words) + "? Expected one of " + all;
       }
       return "";
     }
@@ -135,7 +135,7 @@ namespace embree
     for (const std::string& w : words)
       if (!word.empty() && w.compare(0,word.size(),word) == 0) return w;
     return *std::min_element(words.begin(),words.end(),[&](const std::string& a, const std::string& b) {
-        return distance(word,a) < distance(word,b);
+        return editDistance(word,a) < editDistance(word,b);
       });
   }
 
@@ -171,15 +171,15 @@ namespace embree
           at = next-1;
         }
       }
-      const std::string wrong = findDeviceStringError(*key,value);
-      if (!wrong.empty()) return wrong;
+      const std::string valueError = findValueError(*key,value);
+      if (!valueError.empty()) return valueError;
     }
     return "";
   }
 
-  void keepSettingError (const std::string& message) { lastError = message; }
+  void storeSettingError (const std::string& message) { lastError = message; }
 
-  std::string takeSettingError ()
+  std::string fetchSettingError ()
   {
     std::string error;
     error.swap(lastError);

@@ -25,8 +25,8 @@ namespace embree
   std::string findDeviceStringError (const char* deviceString);
 
   /*! Returns and clears the message of this thread's last rejected setting, or an empty string. */
-  std::string takeSettingError ();
+  std::string fetchSettingError ();
 
-  /*! Stores a message for takeSettingError() on the same thread. */
-  void keepSettingError (const std::string& message);
+  /*! Stores a message for fetchSettingError() on the same thread. */
+  void storeSettingError (const std::string& message);
 }

@@ -89,12 +89,12 @@ namespace embree
       float largestRate (float bound) { return std::ldexp(1.0f,int(std::floor(std::log2(min(bound,4096.0f))))); }
 
       /*! Nearest power of two by ratio, at most `bound`. */
-      float rounded (float rate, float bound) {
+      float roundedRate (float rate, float bound) {
         return min(std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f))))),largestRate(bound));
       }
 
       /*! Measures all faces at all time steps. Returns one rate per index. */
-      std::vector<float> ratesOf (SubdivMesh* mesh, const DicingCamera& camera)
+      std::vector<float> measureRates (SubdivMesh* mesh, const DicingCamera& camera)
       {
         const DicingView view(camera);
         std::vector<uint32_t> first(mesh->numFaces());
@@ -132,15 +132,15 @@ namespace embree
             }
           });
         equalizeEdgeRates(mesh,rates);
-        for (float& rate : rates) rate = rounded(rate,camera.maxRate);
+        for (float& rate : rates) rate = roundedRate(rate,camera.maxRate);
         return rates;
       }
     }
 
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera)
     {
-      const CompressibleGeometry* const own = compressible(geometry);
-      if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+      const CompressibleGeometry* const surface = compressible(geometry);
+      if (!surface || surface->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
           "only subdivision surfaces can be diced");
       requireEditable(geometry);
       SubdivMesh* const mesh = (SubdivMesh*) geometry;
@@ -149,10 +149,10 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");
       checkIndices(mesh); // commits of uncompressed geometry do not check them
       validate(camera,mesh->numEdges());
-      const std::vector<float> rates = ratesOf(mesh,camera);
-      Ref<Buffer> levels = new Buffer(geometry->device,rates.size()*sizeof(float));
-      std::copy(rates.begin(),rates.end(),(float*)levels->data());
-      geometry->setBuffer(RTC_BUFFER_TYPE_LEVEL,0,RTC_FORMAT_FLOAT,levels,0,sizeof(float),unsigned(rates.size()));
+      const std::vector<float> rates = measureRates(mesh,camera);
+      Ref<Buffer> levelBuffer = new Buffer(geometry->device,rates.size()*sizeof(float));
+      std::copy(rates.begin(),rates.end(),(float*)levelBuffer->data());
+      geometry->setBuffer(RTC_BUFFER_TYPE_LEVEL,0,RTC_FORMAT_FLOAT,levelBuffer,0,sizeof(float),unsigned(rates.size()));
       return rates;
     }
   }

@@ -19,6 +19,6 @@ namespace embree
       catch (...) { return { RTC_ERROR_UNKNOWN,"unknown exception caught" }; }
     }
 
-    void invalidArgument (const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,text); }
+    void throwInvalidArgument (const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,text); }
   }
 }

@@ -23,6 +23,6 @@ namespace embree
     CaughtError caughtError ();
 
     /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code that must not include Embree's headers. */
-    [[noreturn]] void invalidArgument (const std::string& text);
+    [[noreturn]] void throwInvalidArgument (const std::string& text);
   }
 }

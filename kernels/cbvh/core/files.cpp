@@ -26,20 +26,20 @@ namespace embree
       }
 
       /*! A geometry that can be saved. Holds its blocks, but no reference to the geometry. */
-      struct Saved
+      struct SavableGeometry
       {
         const CompressibleGeometry* geometry;
         std::shared_ptr<const SurfaceBlocks> blocks;
 
         /*! Throws RTC_ERROR_INVALID_OPERATION if the geometry has no blocks, or changed since they were built. */
-        explicit Saved (Geometry* saved) : geometry(compressible(saved))
+        explicit SavableGeometry (Geometry* saved) : geometry(compressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
           /* scenes with compressed surfaces also build blocks for surfaces that request none */
-          const auto asks = [&] {
+          const auto requestsCompression = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
-          if (!blocks || !asks()) throwNotCompressed();
+          if (!blocks || !requestsCompression()) throwNotCompressed();
           if (saved->state != unsigned(Geometry::State::COMMITTED))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: it changed since its last commit");
@@ -74,7 +74,7 @@ namespace embree
 
     void saveGeometry (Geometry* geometry, const char* path)
     {
-      const Saved saved(geometry); // throws before a file is created
+      const SavableGeometry saved(geometry); // throws before a file is created
       withEmbreeErrors([&] {
         cvert::FileWriter writer(path);
         saved.addTo(writer);
@@ -96,7 +96,7 @@ namespace embree
 
     size_t CompressedFileWriter::size () const { return writer->size(); }
     void CompressedFileWriter::append (Geometry* geometry) {
-      withEmbreeErrors([&] { Saved(geometry).addTo(*writer); });
+      withEmbreeErrors([&] { SavableGeometry(geometry).addTo(*writer); });
     }
     void CompressedFileWriter::commit () { withEmbreeErrors([&] { writer->commit(); }); }
 

@@ -23,9 +23,9 @@ namespace embree
     void checkStructSize (const KnownStruct& known, const void* data)
     {
       const size_t size = structSizeOf(data);
-      const bool isWhole = size % alignof(size_t) == 0; // otherwise the end would cut a member
-      if (size < known.firstSize || size > maxStructSize || !isWhole)
-        invalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size)
+      const bool isAligned = size % alignof(size_t) == 0; // otherwise the end would cut a member
+      if (size < known.firstSize || size > maxStructSize || !isAligned)
+        throwInvalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size)
                         + ": expected sizeof(struct " + known.name + "), which is " + std::to_string(known.size)
                         + " in this version and at least " + std::to_string(known.firstSize));
     }
@@ -35,10 +35,10 @@ namespace embree
       checkStructSize(known,from);
       const size_t size = structSizeOf(from), common = std::min(size,known.size);
       const char* const bytes = (const char*)from;
-      const char* const stray = std::find_if(bytes+common,bytes+size,[](char byte) { return byte != 0; });
-      if (stray != bytes+size)
-        invalidArgument(std::string(known.name) + ": structSize is " + std::to_string(size) + ", and byte "
-                        + std::to_string(stray-bytes) + " is not zero: expected zeros after the "
+      const char* const nonzero = std::find_if(bytes+common,bytes+size,[](char byte) { return byte != 0; });
+      if (nonzero != bytes+size)
+        throwInvalidArgument(std::string(known.name) + ": structSize is " + std::to_string(size) + ", and byte "
+                        + std::to_string(nonzero-bytes) + " is not zero: expected zeros after the "
                         + std::to_string(known.size) + " bytes that this version of the library knows");
       std::memcpy(to,from,common);
       std::memset((char*)to+common,0,known.size-common);

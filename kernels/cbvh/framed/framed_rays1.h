@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/kind_visitors1.h replaces
+/* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/leaf_intersectors1.h replaces
  * it in libraries without the paper's representations. */
 
 #include "../base/primitive_type.h"

@@ -5,10 +5,10 @@
 
 /* Single-ray queries of the top-level BVH4, which Embree calls for scenes with compressed geometries: one class for the
  * tree of surfaces at rest, one for the tree of moving surfaces. Leaves are blocks of any representation
- * (kind_visitors1.h), or Embree's grids for patches that are not compressed. */
+ * (leaf_intersectors1.h), or Embree's grids for patches that are not compressed. */
 
 #include "top_level1.h"
-#include "kind_visitors1.h"
+#include "leaf_intersectors1.h"
 #include "point_query.h"
 
 namespace embree
@@ -59,7 +59,7 @@ namespace embree
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
+        if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
         // filter functions must see hits of blocks with frames in order, see top_level1.h
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
@@ -71,7 +71,7 @@ namespace embree
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         // tfar < 0: Embree's mark of an any-hit ray that has found a hit
-        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return;
+        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::isValidRay(ray))) return;
         CompressedSubdivIntersector1::State state(ray,bvh);
         const bool isOccluded =
           cbvh::traverseAnyHit1(bvh->root,cbvh::StaticNodes(),ray,
@@ -122,19 +122,21 @@ namespace embree
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (cbvh::mayHit(ray) && cbvh::mayIntersect(ray,boxOf(bvh))) intersectTree(bvh,ray,context);
+        if (cbvh::isValidRay(ray) && cbvh::mayIntersect(ray,boundsAtAllTimes(bvh))) intersectTree(bvh,ray,context);
       }
 
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         // tfar < 0: see above
-        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray)
-          && cbvh::mayIntersect(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
+        if (!(ray.tfar < 0.0f) && cbvh::isValidRay(ray)
+          && cbvh::mayIntersect(ray,boundsAtAllTimes(bvh))) occludedTree(bvh,ray,context);
       }
 
       /*! Bounds of all blocks at all times. */
-      static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
+      static __forceinline BBox3fa boundsAtAllTimes (const BVH4* bvh) {
+        return merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
+      }
 
       /* Without the test of the box, for callers that have done it. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)

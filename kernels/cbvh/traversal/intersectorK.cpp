@@ -42,16 +42,16 @@ namespace embree
         framed.setEnter(enter);
         size_t type;
         const void* prim = leaf.leaf(type);
-        if (likely(cbvh::isBlock(type))) accept(intersectBlock(valid,type,prim));
-        else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
+        if (likely(cbvh::isBlock(type))) updateTfar(intersectBlock(valid,type,prim));
+        else updateTfar(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
       /*! Sets the rays' final tfar, see NearestHit. Must be called after the traversal. */
-      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.setFinalTfar(valid,rays.tfar); }
+      __forceinline void finish (const vbool<K>& valid) { if (!isAnyHit) framed.setFinalTfar(valid,rays.tfar); }
 
     private:
       /*! Updates tfar. hit: rays that accepted a hit. */
-      __forceinline void accept (const vbool<K>& hit) {
+      __forceinline void updateTfar (const vbool<K>& hit) {
         tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
       }
 
@@ -95,14 +95,13 @@ namespace embree
       ray.mask = rays.mask[k]; ray.id = rays.id[k]; ray.flags = rays.flags[k];
     }
 
-    /*! Calls intersect(ray) or occluded(ray) for each ray of a packet in the mask `alone`, and copies the results
-     *  back. */
+    /*! Calls intersect(ray) or occluded(ray) for each ray of a packet in `mask`, and copies the results back. */
     template<int K, typename Intersect>
-    __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
+    __forceinline void traceOneByOne (uint32_t mask, RayHitK<K>& rays, const Intersect& intersect)
     {
-      for (; alone; alone&=alone-1)
+      for (; mask; mask&=mask-1)
       {
-        const size_t k = bsf(alone);
+        const size_t k = bsf(mask);
         RayHit ray;
         setRay(ray,rays,k);
         ray.Ng = Vec3f(rays.Ng.x[k],rays.Ng.y[k],rays.Ng.z[k]);
@@ -118,10 +117,10 @@ namespace embree
       }
     }
     template<int K, typename Occluded>
-    __forceinline void traceOneByOne (uint32_t alone, RayK<K>& rays, const Occluded& occluded)
+    __forceinline void traceOneByOne (uint32_t mask, RayK<K>& rays, const Occluded& occluded)
     {
-      for (; alone; alone&=alone-1) {
-        const size_t k = bsf(alone);
+      for (; mask; mask&=mask-1) {
+        const size_t k = bsf(mask);
         Ray ray;
         setRay(ray,rays,k);
         occluded(ray);
@@ -129,10 +128,10 @@ namespace embree
       }
     }
 
-    /*! Returns the active rays that may hit something, see mayHit(). mask: Embree's, -1 for active rays. */
+    /*! Returns the active rays that may hit something, see isValidRay(). mask: Embree's, -1 for active rays. */
     template<int K>
-    __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
-      return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
+    __forceinline vbool<K> validRays (const vint<K>& mask, const RayK<K>& rays) {
+      return (mask == vint<K>(-1)) & cbvh::isValidRay(rays);
     }
 
     /*! Packets through the tree of moving blocks. */
@@ -141,23 +140,23 @@ namespace embree
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        traceOneByOne<K>(raysThatMayHit(*mask,bvh,rays),rays,
+        traceOneByOne<K>(raysToTrace(*mask,bvh,rays),rays,
           [&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
         // Embree's mark of any-hit rays that have found a hit
-        const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
-        traceOneByOne<K>(raysThatMayHit(*mask,bvh,rays) & ~ended,rays,
+        const uint32_t occludedRays = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
+        traceOneByOne<K>(raysToTrace(*mask,bvh,rays) & ~occludedRays,rays,
           [&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
       }
 
     private:
-      static __forceinline uint32_t raysThatMayHit (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
+      static __forceinline uint32_t raysToTrace (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
       {
-        const vbool<K> valid = validOf<K>(mask,rays);
+        const vbool<K> valid = validRays<K>(mask,rays);
         return none(valid) ? 0 : uint32_t(movemask(valid &
-          cbvh::mayIntersect(rays,CompressedMotionTraversal1::boxOf(bvh))));
+          cbvh::mayIntersect(rays,CompressedMotionTraversal1::boundsAtAllTimes(bvh))));
       }
     };
 
@@ -167,54 +166,56 @@ namespace embree
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
-        const vbool<K> valid = validOf<K>(*mask,rays);
-        traceOneByOne<K>(tracePacket(valid,This,rays,context).alone,rays,
+        const vbool<K> valid = validRays<K>(*mask,rays);
+        traceOneByOne<K>(tracePacket(valid,This,rays,context).separate,rays,
           [&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
         // Embree marks any-hit rays that found a hit by a negative tfar
-        const vbool<K> valid = validOf<K>(*mask,rays) & (rays.tfar >= vfloat<K>(zero));
-        const Traced traced = tracePacket(valid,This,rays,context);
-        traceOneByOne<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
-        if (any(traced.ended)) vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
+        const vbool<K> valid = validRays<K>(*mask,rays) & (rays.tfar >= vfloat<K>(zero));
+        const PacketResult result = tracePacket(valid,This,rays,context);
+        traceOneByOne<K>(result.separate,rays,
+          [&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
+        if (any(result.occludedRays)) vfloat<K>::store(result.occludedRays,&rays.tfar,vfloat<K>(neg_inf));
       }
 
     private:
-      struct Traced
+      struct PacketResult
       {
-        uint32_t alone; //!< mask of rays that the caller must trace one by one
-        vbool<K> ended; //!< any-hit rays that found a hit
+        uint32_t separate; //!< mask of rays that the caller must trace one by one
+        vbool<K> occludedRays; //!< any-hit rays that found a hit
       };
 
       /*! Traces groups of rays with the same signs of the direction together, if the context is coherent. */
       template<typename Rays>
-      static __noinline Traced tracePacket (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
+      static __noinline PacketResult tracePacket (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                             IntersectContext* context)
       {
-        Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
+        PacketResult result = { uint32_t(movemask(valid)),vbool<K>(false) };
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
-        if (!context->isCoherent() || root == BVH4::emptyNode) return traced;
+        if (!context->isCoherent() || root == BVH4::emptyNode) return result;
         CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
         cbvh::TopLevelRays<K> tray(valid,rays);
-        uint32_t descends[3], alone = 0;
-        for (int axis=0; axis<3; axis++) descends[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
-        for (uint32_t rest=traced.alone; rest;)
+        uint32_t negativeRays[3], separate = 0;
+        for (int axis=0; axis<3; axis++) negativeRays[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
+        for (uint32_t rest=result.separate; rest;)
         {
           const uint32_t k = uint32_t(bsf(rest));
           uint32_t same = rest;
-          for (int axis=0; axis<3; axis++) same &= (descends[axis] >> k) & 1u ? descends[axis] : ~descends[axis];
+          for (int axis=0; axis<3; axis++)
+            same &= (negativeRays[axis] >> k) & 1u ? negativeRays[axis] : ~negativeRays[axis];
           rest &= ~same;
           // two rays gain too little from a common traversal
-          if (popcnt(same) <= 2) alone |= same;
+          if (popcnt(same) <= 2) separate |= same;
           else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,
             leaves);
         }
-        leaves.end(valid);
-        traced.alone = alone;
-        traced.ended = valid & (leaves.tfar == vfloat<K>(neg_inf));
-        return traced;
+        leaves.finish(valid);
+        result.separate = separate;
+        result.occludedRays = valid & (leaves.tfar == vfloat<K>(neg_inf));
+        return result;
       }
     };
 

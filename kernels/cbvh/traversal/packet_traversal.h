@@ -35,7 +35,7 @@ namespace embree
         {
           vfloat<K> enter;
           NodeRef node;
-          float first; //!< entry distance of the frustum, a lower bound of `enter`
+          float frustumEnter; //!< entry distance of the frustum, a lower bound of `enter`
         };
 
       public:
@@ -71,7 +71,7 @@ namespace embree
               frustum.template updateMaxDist<K>(tray.tfar);
             }
             // only for rays that intersected the leaf
-            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
+            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.frustumEnter };
           }
         }
 
@@ -112,18 +112,18 @@ namespace embree
                                                   const Tray& tray, Entry* top)
         {
           const BVH4::AABBNode* node = at.node.getAABBNode();
-          vfloat4 first;
+          vfloat4 frustumEnter;
           Entry* const bottom = top;
-          for (size_t rest=intersectNodeFrustum<4>(node,frustum,first); rest;)
+          for (size_t rest=intersectNodeFrustum<4>(node,frustum,frustumEnter); rest;)
           {
             const size_t i = bscf(rest);
             vfloat<K> enter;
             const vbool<K> hit = boxes.intersectBox(node,i,tray,enter);
             if (none(hit)) continue;
             BVH4::prefetch(node->child(i));
-            const Entry child = { select(hit,enter,vfloat<K>(nan)),node->child(i),first[i] };
+            const Entry child = { select(hit,enter,vfloat<K>(nan)),node->child(i),frustumEnter[i] };
             Entry* place = top++;
-            for (; place != bottom && place[-1].first < child.first; place--) place[0] = place[-1];
+            for (; place != bottom && place[-1].frustumEnter < child.frustumEnter; place--) place[0] = place[-1];
             *place = child;
           }
           return top;

@@ -43,7 +43,7 @@ namespace embree
           {
             const Item item = stack[--n];
             if (item.distance > maxDistance()) continue;
-            if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
+            if (item.ref.isLeaf()) { changed |= callForLeaf(item.ref); continue; }
             const size_t first = n;
             vboolf4 isPresent(true);
             const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode())
@@ -72,8 +72,8 @@ namespace embree
 
         /*! Distances of a node's children: squared for a sphere, otherwise to the query's box, 0 for an overlap. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
-          return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),
-            outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
+          return distanceOf(distanceTo(query->p.x,node->lower_x,node->upper_x),
+            distanceTo(query->p.y,node->lower_y,node->upper_y),distanceTo(query->p.z,node->lower_z,node->upper_z));
         }
 
         /*! As above, for a moving node. isPresent: children that exist at the query's time. */
@@ -83,11 +83,11 @@ namespace embree
           const vfloat4 time(query->time);
           if (ref.isAABBNodeMB4D())
             isPresent = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
-          return distanceOf(outside(query->p.x,madd(time,node->lower_dx,node->lower_x),
+          return distanceOf(distanceTo(query->p.x,madd(time,node->lower_dx,node->lower_x),
             madd(time,node->upper_dx,node->upper_x)),
-                            outside(query->p.y,madd(time,node->lower_dy,node->lower_y),
+                            distanceTo(query->p.y,madd(time,node->lower_dy,node->lower_y),
                               madd(time,node->upper_dy,node->upper_y)),
-                            outside(query->p.z,madd(time,node->lower_dz,node->lower_z),
+                            distanceTo(query->p.z,madd(time,node->lower_dz,node->lower_z),
                               madd(time,node->upper_dz,node->upper_z)));
         }
 
@@ -100,12 +100,12 @@ namespace embree
         }
 
         /*! Distances of p from intervals, 0 inside. */
-        static vfloat4 outside (float p, const vfloat4& lower, const vfloat4& upper) {
+        static vfloat4 distanceTo (float p, const vfloat4& lower, const vfloat4& upper) {
           return max(max(lower-vfloat4(p),vfloat4(p)-upper),vfloat4(0.0f));
         }
 
         /*! Calls the application's function for the primitives of a leaf. Returns true if a call changed the query. */
-        bool call (BVH4::NodeRef leaf)
+        bool callForLeaf (BVH4::NodeRef leaf)
         {
           size_t type;
           const void* block = leaf.leaf(type);
@@ -127,7 +127,7 @@ namespace embree
 
         embree::cbvh::TraversalTime time () const { return { query->time,false }; }
 
-        /*! call() for a block with numbers of quads. Skips primitives that are not finite. */
+        /*! callForLeaf() for a block with numbers of quads. Skips primitives that are not finite. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
@@ -141,14 +141,14 @@ namespace embree
                 * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
               if (!isTriangleForm(form))
-                changed |= call(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
+                changed |= callForPrimitive(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
               else for (int i=0; i < (isSingleTriangleForm(form) ? 1 : 2); i++)
-                changed |= call(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
+                changed |= callForPrimitive(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
             }
           return changed;
         }
 
-        /*! call() for a mesh block. */
+        /*! callForLeaf() for a mesh block. */
         bool callTriangles (Geometry* geometry, const MeshHeader* block)
         {
           if (!embree::cbvh::MeshAtTime::isPresent(block,time())) return false;
@@ -163,7 +163,7 @@ namespace embree
               float corners[3][3];
               for (int c=0; c<3; c++)
                 for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
-              changed |= call(geometry,primitiveOfMesh(block->form,group.numbers[t]),
+              changed |= callForPrimitive(geometry,primitiveOfMesh(block->form,group.numbers[t]),
                 { corners[0],corners[1],corners[2] });
             }
           }
@@ -185,7 +185,7 @@ namespace embree
 
         /*! Calls the application's function for a primitive if the box of the vertices is within reach. Returns true if
          *  the call changed the query. */
-        bool call (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
+        bool callForPrimitive (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
         {
           BBox3fa bounds(empty);
           for (const float* p : vertices) {

@@ -23,7 +23,7 @@ namespace embree
     namespace cbvh
     {
       /*! True if origin and direction are finite, and tnear <= tfar. Other rays hit nothing. */
-      __forceinline bool mayHit (const Ray& ray)
+      __forceinline bool isValidRay (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
         const bool isRange = ray.tnear() <= ray.tfar;
@@ -31,7 +31,7 @@ namespace embree
       }
 
       template<int K>
-      __forceinline vbool<K> mayHit (const RayK<K>& rays)
+      __forceinline vbool<K> isValidRay (const RayK<K>& rays)
       {
         vbool<K> finite = rays.tnear() <= rays.tfar;
         for (int axis=0; axis<3; axis++)
@@ -55,10 +55,10 @@ namespace embree
       __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
-        const vbool4 descends = factors.rdir < vfloat4(zero);
+        const vbool4 isNegative = factors.rdir < vfloat4(zero);
         const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
-        const Vec3fa enter((select(descends,upper,lower)-org)*factors.near),
-          leave((select(descends,lower,upper)-org)*factors.far);
+        const Vec3fa enter((select(isNegative,upper,lower)-org)*factors.near),
+          leave((select(isNegative,lower,upper)-org)*factors.far);
         return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
       }
 
@@ -71,9 +71,9 @@ namespace embree
         {
           const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]),
             upper(box.upper[axis]);
-          const vbool<K> descends = rdir < vfloat<K>(zero);
-          enter = max(enter,(select(descends,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
-          leave = min(leave,(select(descends,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
+          const vbool<K> isNegative = rdir < vfloat<K>(zero);
+          enter = max(enter,(select(isNegative,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
+          leave = min(leave,(select(isNegative,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
         }
         return enter <= leave;
       }
@@ -93,10 +93,10 @@ namespace embree
           dir = Vec3vf<4>(d.x,d.y,d.z);
           rdir_near = Vec3vf<4>(shuffle<0>(near),shuffle<1>(near),shuffle<2>(near));
           rdir_far = Vec3vf<4>(shuffle<0>(far),shuffle<1>(far),shuffle<2>(far));
-          const size_t descends = size_t(movemask(factors.rdir < vfloat4(zero)));
-          nearX = sizeof(vfloat4)*(0 + (descends & 1));
-          nearY = sizeof(vfloat4)*(2 + ((descends >> 1) & 1));
-          nearZ = sizeof(vfloat4)*(4 + ((descends >> 2) & 1));
+          const size_t negativeAxes = size_t(movemask(factors.rdir < vfloat4(zero)));
+          nearX = sizeof(vfloat4)*(0 + (negativeAxes & 1));
+          nearY = sizeof(vfloat4)*(2 + ((negativeAxes >> 1) & 1));
+          nearZ = sizeof(vfloat4)*(4 + ((negativeAxes >> 2) & 1));
           farX = nearX ^ sizeof(vfloat4);
           farY = nearY ^ sizeof(vfloat4);
           farZ = nearZ ^ sizeof(vfloat4);

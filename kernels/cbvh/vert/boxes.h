@@ -31,7 +31,7 @@ namespace embree
           for (int k=0; k<3; k++)
             along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
           org = along.org;
-          rcp = directionReciprocal(along.dir,ray.largest);
+          rcp = directionReciprocal(along.dir,ray.largestComponent);
           error = shearedSlack(along.size);
         }
       };
@@ -57,7 +57,7 @@ namespace embree
         {
           ShearedRay<float> along;
           along.org = coordinate[0];
-          along.rcp = directionReciprocal(coordinate[1],ray.largest);
+          along.rcp = directionReciprocal(coordinate[1],ray.largestComponent);
           along.error = shearedSlack(coordinate[2]);
           return along;
         }

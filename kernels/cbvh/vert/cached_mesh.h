@@ -56,7 +56,7 @@ namespace embree
         }
 
         /*! Returns triangles 16 half to 16 half + 15 of group g; decodes them if necessary. half: 0, or 1 if the group
-         *  has a second half (MeshTriangles::isFirstOfTwo). */
+         *  has a second half (MeshTriangles::hasNextHalf). */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           MeshTriangles& at = halves[16*half+g];
@@ -107,9 +107,9 @@ namespace embree
         __forceinline MeshGroupTriangles (const VertRay& ray, const Cached& cached, uint32_t g)
         {
           const MeshTriangles& first = cached.triangles(g,0);
-          const bool isFirstOfTwo = first.isFirstOfTwo; // copied, because the second half may overwrite `first`
+          const bool hasNextHalf = first.hasNextHalf; // copied, because the second half may overwrite `first`
           mask = trianglesHitByLine(ray,first,halves[0]);
-          if (unlikely(isFirstOfTwo)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
+          if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
         }
 
         /*! h: bit in mask */

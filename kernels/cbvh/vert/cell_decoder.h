@@ -87,11 +87,11 @@ namespace embree
       };
 
       /*! Output of CellDecoder: lattice coordinates. */
-      struct CoordinatesOfCell
+      struct CellLatticeOutput
       {
         CellVertices& out;
 
-        __forceinline void put (int axis, const CellVector& v) const
+        __forceinline void storeAxis (int axis, const CellVector& v) const
         {
           for (int n=0; n<fieldVectors; n++) vfloatV::store(out.at[axis]+vectorWidth*n,v.at[n]);
 #if !defined(__AVX512F__)
@@ -101,19 +101,19 @@ namespace embree
       };
 
       /*! Output of CellDecoder: world positions. */
-      struct WorldOfCell
+      struct CellWorldOutput
       {
         CellVertices& out;
         const VertSpacing& spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const {
-          CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis]));
+        __forceinline void storeAxis (int axis, const CellVector& v) const {
+          CellLatticeOutput{ out }.storeAxis(axis,madd(v,spacing.at[axis],origin[axis]));
         }
       };
 
       /*! Decodes a cell. word: the cell's word. data: its fields. Base: the numbers to which residuals are added, a
-       *  CellBase or a class of motion_decoder.h. Out: CoordinatesOfCell or WorldOfCell. */
+       *  CellBase or a class of motion_decoder.h. Out: CellLatticeOutput or CellWorldOutput. */
       template<typename Base>
       class CellDecoder
       {
@@ -165,7 +165,7 @@ namespace embree
             else residual = residual + floor(madd(slope,main[c],vfloatV(0.5f)));
             v.at[c] = base.at(axis,c) + residual;
           }
-          out.put(axis,v);
+          out.storeAxis(axis,v);
         }
 
         const uint32_t word;

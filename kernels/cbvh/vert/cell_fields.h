@@ -58,11 +58,11 @@ namespace embree
           if (likely(start == 0 && VertTables::hasWindows(bits))) {
             const VertTables::Windows& windows = vertTables.windows[bits];
             if (likely(bits <= VertTables::maxBitsOfFour)) {
-              for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<false>(data,windows,c);
+              for (int c=0; c<fieldVectors; c++) lanes[c] = fieldsOfVector<false>(data,windows,c);
               return;
             }
 #if defined(CBVH_LANE_SHIFTS)
-            for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<true>(data,windows,c);
+            for (int c=0; c<fieldVectors; c++) lanes[c] = fieldsOfVector<true>(data,windows,c);
             return;
 #endif
           }
@@ -83,20 +83,20 @@ namespace embree
       private:
 #if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
         /*! Loads window i, and selects bytes from it. */
-        static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i,
+        static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int i,
                                            const uint8_t (*control)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),
             _mm_load_si128((const __m128i*)control[i]));
         }
 
         /*! Fields of a row's first four columns, for fields of up to maxBitsOfFour bits. */
-        static __forceinline vint4 ofRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
-          return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),
+        static __forceinline vint4 fieldsOfRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
+          return _mm_srli_epi32(_mm_mullo_epi32(loadWindow(data,windows,row,windows.control),
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
         /*! Fields of the fifth column's first four vertices; the first one is a corner without a field. */
-        static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
+        static __forceinline vint4 fieldsOfColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {
             uint64_t word;
@@ -107,34 +107,34 @@ namespace embree
             field(3),3);
         }
 
-        /*! ofRow for fields that can extend over five bytes. */
-        static __forceinline vint4 ofWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
+        /*! fieldsOfRow for fields that can extend over five bytes. */
+        static __forceinline vint4 fieldsOfWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
         {
 #if defined(CBVH_LANE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
           // shifts by 32 return 0
-          return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),
-                              _mm_sllv_epi32(pick(data,windows,row,windows.fifth),
+          return _mm_or_si128(_mm_srlv_epi32(loadWindow(data,windows,row,windows.control),shift),
+                              _mm_sllv_epi32(loadWindow(data,windows,row,windows.fifth),
                                 _mm_sub_epi32(_mm_set1_epi32(32),shift)));
 #else
-          return ofRow(data,windows,row); // unreachable: the constructor requires CBVH_LANE_SHIFTS for wide fields
+          return fieldsOfRow(data,windows,row); // unreachable: the constructor requires CBVH_LANE_SHIFTS
 #endif
         }
 
         /*! Lanes 4 i to 4 i + 3. wide: fields can extend over five bytes. */
         template<bool wide>
-        static __forceinline vint4 ofFour (const uint8_t* data, const VertTables::Windows& windows, int i) {
-          return i == VertTables::Windows::rows ? ofColumn(data,windows) : wide ? ofWideRow(data,windows,i)
-            : ofRow(data,windows,i);
+        static __forceinline vint4 fieldsOfFour (const uint8_t* data, const VertTables::Windows& windows, int i) {
+          return i == VertTables::Windows::rows ? fieldsOfColumn(data,windows) : wide ? fieldsOfWideRow(data,windows,i)
+            : fieldsOfRow(data,windows,i);
         }
 
         template<bool wide>
-        static __forceinline vintV ofVector (const uint8_t* data, const VertTables::Windows& windows, int c)
+        static __forceinline vintV fieldsOfVector (const uint8_t* data, const VertTables::Windows& windows, int c)
         {
 #if defined(__AVX__)
-          return vintV(ofFour<wide>(data,windows,2*c),ofFour<wide>(data,windows,2*c+1));
+          return vintV(fieldsOfFour<wide>(data,windows,2*c),fieldsOfFour<wide>(data,windows,2*c+1));
 #else
-          return ofFour<wide>(data,windows,c);
+          return fieldsOfFour<wide>(data,windows,c);
 #endif
         }
 #endif

@@ -97,7 +97,7 @@ namespace embree
           auto corner = [&](int c) { return coordinatesAt(boxes.corners.at[vertTables.corners[lane][c]]); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldOfCell{ out,spacing,block->origin });
+          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,CellWorldOutput{ out,spacing,block->origin });
           if (unlikely(hasRemainders(block->boxForm)))
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
@@ -119,7 +119,7 @@ namespace embree
         {
           auto corner = [&](int c) { return cornerAt(block->corners,c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
-          decodeCell(block->word,bytes(layout.cell),CellBase(prediction,false,quadsX,quadsY),CoordinatesOfCell{ out });
+          decodeCell(block->word,bytes(layout.cell),CellBase(prediction,false,quadsX,quadsY),CellLatticeOutput{ out });
         }
 
         __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The last step of intersecting a ray with a group: exact tests of the triangles that isInside (rule.h) accepted, and
+/* The last step of intersecting a ray with a group: exact tests of the triangles that mayContain (rule.h) accepted, and
  * reports of their hits, which apply masks and filter functions (base/epilogues.h). */
 
 #include "cached_block.h"
@@ -66,7 +66,7 @@ namespace embree
       class VertHits
       {
       public:
-        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest,
+        __forceinline VertHits (const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
                                 const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
@@ -137,7 +137,7 @@ namespace embree
         }
 
         /*! True if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit. exact:
-         *  distance. number: of the triangle, see VertNearest. Sets t to the rounded distance. */
+         *  distance. number: of the triangle, see NearestVertHit. Sets t to the rounded distance. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);
@@ -156,13 +156,13 @@ namespace embree
           const SurfacePoint point = pointOfHit(cached,block,g,h,sides);
           hit.u = point.u; hit.v = point.v;
           if (!target.report(block,point.primID,hit)) return false;
-          nearest = VertNearest(block,32*g+h,t);
+          nearest = NearestVertHit(block,32*g+h,t);
           return true;
         }
 
         const Target target;
         const VertRay& vertRay;
-        VertNearest& nearest;
+        NearestVertHit& nearest;
         const VertHeader* block;
         const Cached& cached;
       };

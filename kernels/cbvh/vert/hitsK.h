@@ -50,11 +50,11 @@ namespace embree
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
-          const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
+          const uint32_t singles = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
           // (u,v) at edges of a lower rate are computed per ray
-          if (popcnt(one) > 1
+          if (popcnt(singles) > 1
               && (likely(!hasEdges(block->boxForm)) || !hasStitchedEdge(block->patchQuads,edgesOf(block))))
-            mask &= ~reportTogether(one,kz,g,triangles,accepted);
+            mask &= ~reportTogether(singles,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
             if (report(k,g,TriangleMask{ uint32_t(triangles[k]) })) accepted |= 1u << k;
@@ -104,10 +104,10 @@ namespace embree
             isHit = inPlane = 0;
             for (int j=0; j<K; j+=4)
             {
-              const Four four(*this,vertRays,j);
-              const WideNormal<Double4> n = normalOf(four.triangle);
-              const PlaneIntersection<Double4> at = intersectPlane(four.triangle,n,four.org,four.dir);
-              const TriangleSpan<Double4> span = four.span(kz);
+              const FourRays rayGroup(*this,vertRays,j);
+              const WideNormal<Double4> n = normalOf(rayGroup.triangle);
+              const PlaneIntersection<Double4> at = intersectPlane(rayGroup.triangle,n,rayGroup.org,rayGroup.dir);
+              const TriangleSpan<Double4> span = rayGroup.span(kz);
               const Double4 exact = clampToSpan(span,at.t);
               toFloat(exact).store(t+j);
               for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
@@ -117,14 +117,14 @@ namespace embree
           }
 
           /*! Mask of rays whose whole triangle is between tnear and tfar. */
-          __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
+          __forceinline uint32_t entirelyInRange (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
                                           const vfloat<K>& tfar) const
           {
             uint32_t mask = 0;
             for (int j=0; j<K; j+=4)
             {
-              const Four four(*this,vertRays,j);
-              const TriangleSpan<Double4> span = four.span(kz);
+              const FourRays rayGroup(*this,vertRays,j);
+              const TriangleSpan<Double4> span = rayGroup.span(kz);
               mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest)
                 & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
             }
@@ -137,12 +137,12 @@ namespace embree
           }
 
           /*! Rays j to j+3, in double precision. */
-          struct Four
+          struct FourRays
           {
             WideTriangle<Double4> triangle;
             Double4 org[3], dir[3];
 
-            __forceinline Four (const Triangles& source, const VertRays<K>& vertRays, int j)
+            __forceinline FourRays (const Triangles& source, const VertRays<K>& vertRays, int j)
             {
               for (int k=0; k<3; k++) {
                 for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(source.vertices[k][i]+j));
@@ -168,14 +168,14 @@ namespace embree
           const vfloat<K> tfar = rays.tfar;
           if (!needsHitData(rays,context,block->surface))
           {
-            const uint32_t clear = mask & uint32_t(movemask(haveExactSigns(sides)))
-              & batch.between(vertRays,kz,rays.tnear(),tfar);
-            const vfloat<K> unread(zero); // no function reads the hit, see needsHitData
-            const vbool<K> lanes = vbool<K>(int(clear));
+            const uint32_t certain = mask & uint32_t(movemask(haveExactSigns(sides)))
+              & batch.entirelyInRange(vertRays,kz,rays.tnear(),tfar);
+            const vfloat<K> unused(zero); // no function reads the hit, see needsHitData
+            const vbool<K> lanes = vbool<K>(int(certain));
             accepted |= uint32_t(movemask(lanes
               & cbvh::report(rays,lanes,context,block->surface,block->primID,
-                [&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
-            return clear;
+                [&] { return std::make_tuple(unused,unused,unused,Vec3vf<K>(unused,unused,unused)); })));
+            return certain;
           }
           batch.intersectPlanes(vertRays,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(batch.t);
@@ -205,7 +205,7 @@ namespace embree
               & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=acceptedNow; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
           }
           accepted |= acceptedNow;
           return done;
@@ -225,7 +225,7 @@ namespace embree
             const SurfacePoint point = pointOfNumberedQuad(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] });
             hit.u = point.u; hit.v = point.v;
             if (!cbvh::report(rays,k,context,block->surface,point.primID,hit)) continue;
-            vertRays.nearest(k) = VertNearest(block,32*g+h,t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+h,t[k]);
             accepted |= 1u << k;
           }
           return accepted;

@@ -15,16 +15,18 @@ namespace embree
     namespace cbvh
     {
       /*! fraction: 0 at the beginning of the segment, 1 at its end. */
-      struct Between
+      struct Interpolator
       {
-        const vfloatV before, after;
-        __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
+        const vfloatV weightOfBegin, weightOfEnd;
+        __forceinline explicit Interpolator (float fraction) : weightOfBegin(1.0f-fraction), weightOfEnd(fraction) {}
 
         /*! Rounds as Embree's lerp, so that vertices are the floats that Embree's own kernels compute. */
-        __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
+        __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const {
+          return madd(weightOfBegin,a,weightOfEnd*b);
+        }
 
         /*! Interpolates arrays. All arrays must be aligned to vectors, and padded to a multiple of vectors. */
-        __forceinline void set (const float* a, const float* b, uint32_t count, float* out) const {
+        __forceinline void interpolate (const float* a, const float* b, uint32_t count, float* out) const {
           for (uint32_t l=0; l<count; l+=vectorWidth)
             vfloatV::store(out+l,(*this)(vfloatV::load(a+l),vfloatV::load(b+l)));
         }

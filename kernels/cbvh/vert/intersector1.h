@@ -4,7 +4,7 @@
 #pragma once
 
 /* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups front to
- * back, then triangles. traversal/kind_visitors1.h calls it for the leaves that a ray reaches. */
+ * back, then triangles. traversal/leaf_intersectors1.h calls it for the leaves that a ray reaches. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -44,11 +44,11 @@ namespace embree
         vfloatV tNear[vectors], tFar[vectors];
 #pragma GCC unroll 4
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        // `descends` is an index of planes, because a branch would often be mispredicted
+        // `isNegative` is an index of planes, because a branch would often be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
-          uint32_t descends) {
-          const float* near = planes.at[descends];
-          const float* far  = planes.at[1-descends];
+          uint32_t isNegative) {
+          const float* near = planes.at[isNegative];
+          const float* far  = planes.at[1-isNegative];
           const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
 #pragma GCC unroll 4
           for (int j=0; j<vectors; j++) {
@@ -59,7 +59,7 @@ namespace embree
         const int m = boxes.axis;
         const RayInBoxes at(vertRay,boxes);
         for (int k=0; k<3; k++)
-          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.descends >> k) & 1u);
+          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.negativeAxes >> k) & 1u);
         if (likely(m < 3)) {
           const ShearedRay<float> sheared = at.sheared(vertRay);
           clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);

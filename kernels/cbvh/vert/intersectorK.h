@@ -38,7 +38,7 @@ namespace embree
 
         __forceinline vbool<K> run (vbool<K> valid)
         {
-          vint<K> form = vertRays.form;
+          vint<K> rayClass = vertRays.rayClass;
           if (unlikely(cached.decodedBoxes() == nullptr)) {
             if (!cached.isUsable()) return vbool<K>(false);
             if (likely(!isRaw(block->boxForm))) valid &=
@@ -48,13 +48,14 @@ namespace embree
           const VertBoxes& boxes = cached.boxes();
           if (likely(boxes.axis < 3)) {
             sheared = ShearedRay<vfloat<K>>(vertRays,boxes);
-            form |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
+            rayClass |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
           }
           for (uint32_t rest=uint32_t(movemask(valid)); rest;)
           {
-            const uint32_t k = uint32_t(bsf(rest)), same = rest & uint32_t(movemask(form == vint<K>(form[k])));
+            const uint32_t k = uint32_t(bsf(rest));
+            const uint32_t same = rest & uint32_t(movemask(rayClass == vint<K>(rayClass[k])));
             rest &= ~same;
-            intersectTogether(same,uint32_t(form[k]));
+            intersectTogether(same,uint32_t(rayClass[k]));
           }
           return vbool<K>(int(found));
         }
@@ -64,31 +65,31 @@ namespace embree
         {
           vfloat<K> org, rcp, slack;
           float orgLow, orgHigh, rcpLow, rcpHigh, slackHigh;
-          bool descends;
+          bool isNegative;
 
           __forceinline void set (const vbool<K>& lanes, const vfloat<K>& org, const vfloat<K>& rcp,
-                                  const vfloat<K>& error, bool descends)
+                                  const vfloat<K>& error, bool isNegative)
           {
-            this->org = org; this->rcp = rcp; this->descends = descends;
+            this->org = org; this->rcp = rcp; this->isNegative = isNegative;
             slack = error*abs(rcp);
             orgLow = lowest(lanes,org); orgHigh = highest(lanes,org);
             rcpLow = lowest(lanes,rcp); rcpHigh = highest(lanes,rcp);
             slackHigh = highest(lanes,slack);
           }
 
-          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
-          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
+          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[isNegative]; }
+          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!isNegative]; }
 
           /*! Lower bound of all rays' entry distances, one box per lane; leave() returns the upper bound of their exit
            *  distances. Conservative: rounding is monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
-            const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
+            const vfloatV d = planes - vfloatV(isNegative ? orgLow : orgHigh), slack(slackHigh);
             return min(msub(d,vfloatV(rcpLow),slack),msub(d,vfloatV(rcpHigh),slack));
           }
           __forceinline vfloatV leave (const vfloatV& planes) const
           {
-            const vfloatV d = planes - vfloatV(descends ? orgHigh : orgLow), slack(slackHigh);
+            const vfloatV d = planes - vfloatV(isNegative ? orgHigh : orgLow), slack(slackHigh);
             return max(madd(d,vfloatV(rcpLow),slack),madd(d,vfloatV(rcpHigh),slack));
           }
 
@@ -101,16 +102,16 @@ namespace embree
           }
         };
 
-        /*! Intersects the block with the rays of a mask, which have the same form. form: see VertRays; bit 5 is set if
-         *  the direction along the sheared axis is negative. */
-        void intersectTogether (uint32_t mask, uint32_t form)
+        /*! Intersects the block with the rays of a mask, which have the same class. rayClass: see VertRays; bit 5 is set
+         *  if the direction along the sheared axis is negative. */
+        void intersectTogether (uint32_t mask, uint32_t rayClass)
         {
           vbool<K> lanes = vbool<K>(int(mask));
           const VertBoxes& boxes = cached.boxes();
           for (int k=0; k<3; k++) {
-            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
+            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(rayClass & 32u) != 0);
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
-              boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+              boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(rayClass >> (2+k)) & 1u);
           }
           uint32_t open = intersectBoxes(lanes,boxes);
           while (open)
@@ -118,7 +119,7 @@ namespace embree
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             const vbool<K> entering = lanes & intersectBox(cached.boxes(),g);
             if (none(entering)) continue;
-            const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),form & 3u,g);
+            const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),rayClass & 3u,g);
             found |= accepted;
             if (IsAnyHit<Rays>::value && accepted) {
               lanes = andn(lanes,vbool<K>(int(accepted)));

@@ -24,14 +24,14 @@ namespace embree
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
       alignas(16) uint16_t firstVertex[16]; //!< of each group; 0x7FFF in lanes without a group
-      alignas(32) uint16_t fieldsOfZero[16]; //!< see fieldsOfVertex
+      alignas(32) uint16_t fieldBitOfVertex0[16]; //!< see fieldBitOfVertex
       alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of each group: on x, y and z, and in total
       alignas(64) uint32_t lower[3][16];    //!< [axis][group]: coordinates to which vertex fields are relative
 
-      /*! First bit, in the block, of vertex v, which belongs to group g. fieldsOfZero: where vertex 0 would be if it
-       *  belonged to the group, modulo 2^16. */
-      __forceinline uint32_t fieldsOfVertex (uint32_t v, uint32_t g) const {
-        return verticesBegin + uint16_t(fieldsOfZero[g] + v*fieldBits[3][g]);
+      /*! First bit, in the block, of vertex v, which belongs to group g. fieldBitOfVertex0: where vertex 0 would be
+       *  if it belonged to the group, modulo 2^16. */
+      __forceinline uint32_t fieldBitOfVertex (uint32_t v, uint32_t g) const {
+        return verticesBegin + uint16_t(fieldBitOfVertex0[g] + v*fieldBits[3][g]);
       }
     };
 
@@ -43,7 +43,7 @@ namespace embree
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
-      bool isFirstOfTwo;                //!< the group has a second half
+      bool hasNextHalf;                //!< the group has a second half
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
       alignas(16) uint8_t corners[3][16]; //!< [corner][lane]: vertex, below 32; in the application's order

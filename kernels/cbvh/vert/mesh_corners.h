@@ -30,12 +30,13 @@ namespace embree
           {
             const int n = vectorWidth*j;
             const vfloatV z = vfloatV::load(at[ray.kz]+n) - orgZ;
-            put(j,nmadd(sx,z,vfloatV::load(at[ray.kx]+n) - orgX),nmadd(sy,z,vfloatV::load(at[ray.ky]+n) - orgY));
+            storeVector(j,nmadd(sx,z,vfloatV::load(at[ray.kx]+n) - orgX),
+                        nmadd(sy,z,vfloatV::load(at[ray.ky]+n) - orgY));
           }
         }
 
         /*! Loads sheared x and y of corner c of triangles n to n+vectorWidth-1. */
-        __forceinline void get (uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const
+        __forceinline void loadCorners (uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const
         {
           const uint8_t* const lanes = corners[c]+n;
 #if defined(__AVX512F__)
@@ -58,11 +59,11 @@ namespace embree
           cornerY = select(y);
 #elif defined(__AVX__)
           vfloat4 x[2], y[2];
-          for (int h=0; h<2; h++) getFour(lanes+4*h,x[h],y[h]);
+          for (int h=0; h<2; h++) loadFour(lanes+4*h,x[h],y[h]);
           cornerX = vfloatV(x[0],x[1]);
           cornerY = vfloatV(y[0],y[1]);
 #else
-          getFour(lanes,cornerX,cornerY);
+          loadFour(lanes,cornerX,cornerY);
 #endif
         }
 
@@ -73,14 +74,14 @@ namespace embree
 #if defined(__AVX2__)
         vfloatV x[vectors], y[vectors];
 
-        __forceinline void put (int j, const vfloatV& shearedX, const vfloatV& shearedY) {
+        __forceinline void storeVector (int j, const vfloatV& shearedX, const vfloatV& shearedY) {
           x[j] = shearedX;
           y[j] = shearedY;
         }
 #else
         alignas(64) float xy[capacity][2]; //!< x and y together, which halves the number of loads
 
-        __forceinline void put (int j, const vfloatV& shearedX, const vfloatV& shearedY)
+        __forceinline void storeVector (int j, const vfloatV& shearedX, const vfloatV& shearedY)
         {
           alignas(64) float at[2][vectorWidth];
           vfloatV::store(at[0],shearedX);
@@ -92,7 +93,7 @@ namespace embree
           }
         }
 
-        __forceinline void getFour (const uint8_t* lanes, vfloat4& x, vfloat4& y) const
+        __forceinline void loadFour (const uint8_t* lanes, vfloat4& x, vfloat4& y) const
         {
           auto two = [&](int i) {
             return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(),(const __m64*)xy[lanes[i]]),(const __m64*)xy[lanes[i+1]]);
@@ -114,11 +115,11 @@ namespace embree
         for (uint32_t j=0; j<MeshTriangles::width/vectorWidth; j++)
         {
           vfloatV x[3], y[3];
-          for (int c=0; c<3; c++) mesh.get(vectorWidth*j,c,x[c],y[c]);
+          for (int c=0; c<3; c++) mesh.loadCorners(vectorWidth*j,c,x[c],y[c]);
           const vfloatV w0 = edgeSide(x[1],y[1],x[2],y[2]);
           const vfloatV w1 = edgeSide(x[2],y[2],x[0],y[0]);
           const vfloatV w2 = edgeSide(x[0],y[0],x[1],y[1]);
-          inside[j] = isInside(w0,w1,w2);
+          inside[j] = mayContain(w0,w1,w2);
           sides.set(int(j),w0,w1,w2);
         }
         return lanesOf(inside) & triangles.lanes;

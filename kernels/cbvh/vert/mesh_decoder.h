@@ -36,71 +36,70 @@ namespace embree
           out.lanes = (1u << groups)-1;
           setAxes(out);
           decodeBoxes(groups,out);
-          findGroups(groups,out);
+          decodeGroupOffsets(groups,out);
         }
 
         /*! Decodes half of group g. boxes: decode()'s output for this block. Does not set out.key. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
-            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
-            repeatBits = bitsFor(locals);
+            vertexCount = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
+            repeatBits = bitsFor(vertexCount);
           const uint32_t lanes = 0xFFFFFFFFu >> (32-count);
           out.lanes = uint16_t(half ? lanes >> 16 : lanes);
-          out.isFirstOfTwo = half == 0 && count > 16;
-          out.numVertices = uint8_t(locals);
-          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
-          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
-          uint64_t turns = at.take(min(2*count,32u));
-          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
-          uint64_t news = at.take(min(stream-3,32u));
-          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
-          const uint32_t owns = at.take(locals);
-          Bits repeats = at;
-          at.skip((stream-locals)*repeatBits);
-          decodeVertices(boxes,g,locals,owns,at,out.vertices);
+          out.hasNextHalf = half == 0 && count > 16;
+          out.numVertices = uint8_t(vertexCount);
+          BitReader at(block,boxes.topologyBegin+boxes.topology[g]);
+          const uint32_t restarts = at.read(count-1) << 1, fans = at.read(count-1) << 1;
+          uint64_t turns = at.read(min(2*count,32u));
+          if (unlikely(count > 16)) turns |= uint64_t(at.read(2*count-32)) << 32;
+          uint64_t news = at.read(min(stream-3,32u));
+          if (unlikely(stream-3 > 32)) news |= uint64_t(at.read(stream-3-32)) << 32;
+          const uint32_t owns = at.read(vertexCount);
+          BitReader repeats = at;
+          at.skip((stream-vertexCount)*repeatBits);
+          decodeVertices(boxes,g,vertexCount,owns,at,out.vertices);
 #if defined(__AVX2__)
-          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
-            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
+          if (likely(count <= 16 && stream <= 32 && stream-vertexCount <= 8)) {
+            decodeStripsInParallel(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.peek(),repeatBits,
               out.corners);
             return;
           }
 #endif
-          followStrips(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
+          decodeStripsSerially(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
         /*! Returns the number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
         __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
-          Bits at(block,boxes.numbersBegin+boxes.numbers[g]);
-          const uint32_t base = at.take(baseBits);
+          BitReader at(block,boxes.numbersBegin+boxes.numbers[g]);
+          const uint32_t base = at.read(baseBits);
           at.skip(t*bits);
-          return block->primID + base + at.take(bits);
+          return block->primID + base + at.read(bits);
         }
 
       protected:
         /*! Reader of a block's bits, from bit `bit` on. */
-        struct Bits
+        struct BitReader
         {
           const uint8_t* data;
           uint32_t bit;
 
-          __forceinline Bits (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
+          __forceinline BitReader (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
 
-          /*! The next 57 bits. Bits above them are undefined. */
-          __forceinline uint64_t wide () const
+          /*! The next 57 bits. BitReader above them are undefined. */
+          __forceinline uint64_t peek () const
           {
             uint64_t word;
             memcpy(&word,data + (bit >> 3),sizeof(word));
             return word >> (bit & 7);
           }
-          __forceinline uint32_t peek () const { return uint32_t(wide()); }
           __forceinline void skip (uint32_t count) { bit += count; }
           /*! Reads `count` bits, 0 to 32. */
-          __forceinline uint32_t take (uint32_t count)
+          __forceinline uint32_t read (uint32_t count)
           {
-            const uint32_t value = uint32_t(wide() & ((uint64_t(1) << count)-1));
+            const uint32_t value = uint32_t(peek() & ((uint64_t(1) << count)-1));
             bit += count;
             return value;
           }
@@ -133,8 +132,9 @@ namespace embree
 
         /*! Decodes triangles `first` to first+15 of a group, one after the other. count: triangles of the group. news:
          *  of entries after the first three, which are always new. repeats: numbers of entries that are not new. */
-        static void followStrips (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans, uint64_t turns,
-                                  uint64_t news, Bits repeats, uint32_t repeatBits, uint8_t (*corners)[16])
+        static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
+                                          uint64_t turns, uint64_t news, BitReader repeats, uint32_t repeatBits,
+                                          uint8_t (*corners)[16])
         {
           memset(corners,0,sizeof(corners[0])*3);
           Strip strip;
@@ -142,7 +142,7 @@ namespace embree
           auto next = [&]() {
             const bool isNew = news & 1;
             news >>= 1;
-            return isNew ? fresh++ : repeats.take(repeatBits);
+            return isNew ? fresh++ : repeats.read(repeatBits);
           };
           for (uint32_t t=0; t<count; t++, turns>>=2)
           {
@@ -170,7 +170,7 @@ namespace embree
         }
 
         /*! Inclusive prefix sums of bytes. */
-        static __forceinline __m128i sumsOfBytes (__m128i x)
+        static __forceinline __m128i prefixSumsOfBytes (__m128i x)
         {
           x = _mm_add_epi8(x,_mm_slli_si128(x,1));
           x = _mm_add_epi8(x,_mm_slli_si128(x,2));
@@ -179,7 +179,7 @@ namespace embree
         }
 
         /*! Inclusive prefix maxima of bytes. */
-        static __forceinline __m128i greatestOfBytes (__m128i x)
+        static __forceinline __m128i prefixMaximaOfBytes (__m128i x)
         {
           x = _mm_max_epu8(x,_mm_slli_si128(x,1));
           x = _mm_max_epu8(x,_mm_slli_si128(x,2));
@@ -187,15 +187,16 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! followStrips for up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new. Decodes
-         *  all triangles at once, one byte lane per triangle. Bit 0 of `restarts` must be set. news: of all entries.
-         *  repeats: fields of repeatBits bits with the numbers of entries that are not new. */
-        static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
-                                                uint64_t repeats, uint32_t repeatBits, uint8_t (*corners)[16])
+        /*! decodeStripsSerially for up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new, with
+         *  one byte lane per triangle. Bit 0 of `restarts` must be set. news: of all entries. repeats: fields of
+         *  repeatBits bits with the numbers of entries that are not new. */
+        static __forceinline void decodeStripsInParallel (uint32_t restarts, uint32_t fans, uint32_t turns,
+                                                          uint32_t news, uint64_t repeats, uint32_t repeatBits,
+                                                          uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          // `old`: the fields of `repeats`, one byte each
+          // `repeated`: the fields of `repeats`, one byte each
           const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
           const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
           const __m256i first = _mm256_srlv_epi64(fields,shifts),
@@ -204,16 +205,16 @@ namespace embree
           const __m256i pairs = _mm256_and_si256(_mm256_blend_epi32(first,_mm256_slli_epi64(second,32),0xAA),mask);
           const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(
             0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
-          const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
+          const __m128i repeated = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           __m128i entries[2];
           __m128i before = _mm_setzero_si128(); // number of new entries in the first half
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
-            const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(sumsOfBytes(isOne),isOne));
+            const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(prefixSumsOfBytes(isOne),isOne));
             const __m128i rank = _mm_sub_epi8(_mm_add_epi8(places,_mm_set1_epi8(char(16*half))),fresh);
-            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(old,rank),fresh,isNew);
+            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(repeated,rank),fresh,isNew);
             before = _mm_set1_epi8(char(__builtin_popcount(news & 0xFFFF)));
           }
           auto entryAt = [&](__m128i place) {
@@ -221,16 +222,16 @@ namespace embree
               _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
           };
 
-          /* A restart has three entries instead of one. `last` is the entry of a triangle's last vertex. `kept` is that
-           * of the vertex that precedes the last two: fans keep it from the triangle before. */
+          /* A restart has three entries instead of one. `last` is the entry of a triangle's last vertex, `oldest` the
+           * entry of its first one, which fans keep from the triangle before. */
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
-          const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
-          const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
+          const __m128i last = _mm_add_epi8(places,prefixSumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
+          const __m128i oldest = prefixMaximaOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
           // triangles with the reverse orientation of the one before: they neither continue a fan nor start a strip
-          const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
-          const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
-          const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
-          const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
+          const __m128i flips = prefixSumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
+          const __m128i flipsSinceStart = _mm_sub_epi8(flips,prefixMaximaOfBytes(_mm_and_si128(starts,flips)));
+          const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(flipsSinceStart,one),one);
+          const __m128i a = entryAt(oldest), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
           const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
 
           // two bits of `turns` per triangle
@@ -382,7 +383,7 @@ namespace embree
 
         /*! Finds where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h) does. All sums have less
          *  than 16 bits. */
-        __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
+        __forceinline void decodeGroupOffsets (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
           const MeshLayout layout = meshLayout(block->counts);
@@ -401,10 +402,11 @@ namespace embree
           const uint8_t* const records = bytes + layout.records;
           const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
             groups > 8 ? _mm_loadu_si128((const __m128i*)(records+16)) : none }; // a short block can end there
-          const __m128i five = _mm_set1_epi16(31);
-          __m128i locals[2], topology[2], vertices[2], numbers[2], own[2];
-          for (int half=0; half<2; half++) locals[half] = _mm_and_si128(record[half],five);
-          const __m128i repeats = lengthsOf(_mm_sub_epi8(_mm_packus_epi16(locals[0],locals[1]),_mm_set1_epi8(1)));
+          const __m128i fiveBits = _mm_set1_epi16(31);
+          __m128i vertexCount[2], topology[2], vertices[2], numbers[2], own[2];
+          for (int half=0; half<2; half++) vertexCount[half] = _mm_and_si128(record[half],fiveBits);
+          const __m128i repeats =
+            lengthsOf(_mm_sub_epi8(_mm_packus_epi16(vertexCount[0],vertexCount[1]),_mm_set1_epi8(1)));
           const __m128i otherBits = _mm_set1_epi16(short(bitsFor(meshVertices(block->counts)))),
             baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
           for (int half=0; half<2; half++)
@@ -414,29 +416,29 @@ namespace embree
               isPresent = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
             const __m128i sizes = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
-              count = _mm_add_epi16(_mm_and_si128(sizes,five),_mm_set1_epi16(1)),
+              count = _mm_add_epi16(_mm_and_si128(sizes,fiveBits),_mm_set1_epi16(1)),
               entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
-            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
-            __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
+            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),fiveBits),isPresent);
+            __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),fiveBits);
             // 31 means 32, see groupNumberBits
-            numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
+            numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,fiveBits));
             // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
-            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
+            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
-              _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),locals[half])));
-            sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(locals[half],own[half])));
+              _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),vertexCount[half])));
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(vertexCount[half],own[half])));
             topology[half] = _mm_and_si128(sum,isPresent);
             vertices[half] = _mm_mullo_epi16(own[half],wide(all));
             numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isPresent);
           }
           out.topologyBegin = 8*layout.topology;
           out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
-          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldsOfZero)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldBitOfVertex0)+7) & ~7u);
           storeSums(numbers,out.numbers);
           storeSums(own,out.firstVertex);
           for (int half=0; half<2; half++) {
-            __m128i* const zero = (__m128i*)out.fieldsOfZero + half;
+            __m128i* const zero = (__m128i*)out.fieldBitOfVertex0 + half;
             const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
               size = half ? _mm_unpackhi_epi8(all,none) : _mm_unpacklo_epi8(all,none);
             _mm_store_si128(zero,_mm_sub_epi16(_mm_load_si128(zero),_mm_mullo_epi16(first,size)));
@@ -458,12 +460,12 @@ namespace embree
         __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
                                        uint32_t i) const
         {
-          Bits at(block,bit);
+          BitReader at(block,bit);
           if (unlikely(boxes.fieldBits[3][g] > 57)) {
-            for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take(boxes.fieldBits[k][g]);
+            for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.read(boxes.fieldBits[k][g]);
             return;
           }
-          uint64_t fields = at.wide();
+          uint64_t fields = at.peek();
           for (int k=0; k<3; k++) {
             const uint32_t bits = boxes.fieldBits[k][g];
             coordinates[k][i] = boxes.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
@@ -471,49 +473,49 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of group g. locals: their number. owns: mask of those that belong to the group. others:
-         *  numbers, in the block, of those that belong to other groups. */
-        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
-                                           Bits others, MeshVertices& out) const
+        /*! Decodes the vertices of group g. owns: mask of those that belong to the group. others: numbers, in the block,
+         *  of those that belong to other groups. */
+        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
+                                           BitReader others, MeshVertices& out) const
         {
           alignas(64) uint32_t coordinates[3][32];
-          readCoordinates(boxes,g,locals,owns,others,coordinates);
-          if (isSheared()) unshear(locals,coordinates);
+          readCoordinates(boxes,g,vertexCount,owns,others,coordinates);
+          if (isSheared()) unshear(vertexCount,coordinates);
           for (uint32_t k=0; k<3; k++)
           {
             if (unlikely(hasRanks(block->spacings,k))) {
               const uint32_t origin = rankOfFloat(block->origin[k]);
-              for (uint32_t i=0; i<locals; i++) out.at[k][i] = floatOfRank(origin + coordinates[k][i]);
+              for (uint32_t i=0; i<vertexCount; i++) out.at[k][i] = floatOfRank(origin + coordinates[k][i]);
               continue;
             }
             const vfloatV origin(block->origin[k]), spacing(meshSpacing(block->spacings,k));
-            for (uint32_t n=0; n<locals; n+=vectorWidth)
+            for (uint32_t n=0; n<vertexCount; n+=vectorWidth)
               vfloatV::store(out.at[k]+n,origin + vfloatV(vintV::load((const int*)coordinates[k]+n))*spacing);
           }
         }
 
         /*! Sets coordinates on the block's axes, before the shear is subtracted. Parameters: as above. */
-        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
-                                            Bits others, uint32_t (*coordinates)[32]) const
+        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
+                                            BitReader others, uint32_t (*coordinates)[32]) const
         {
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
           uint32_t first = boxes.firstVertex[g];
 #if defined(__AVX2__)
           const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)boxes.fieldBits[3]),_mm_set1_epi8(57));
           if (likely((uint32_t(_mm_movemask_epi8(isWide)) & boxes.lanes) == 0)) {
-            readSixteen(boxes,first,locals,owns,others,otherBits,coordinates,0);
-            if (likely(locals <= 16)) return;
+            readSixteen(boxes,first,vertexCount,owns,others,otherBits,coordinates,0);
+            if (likely(vertexCount <= 16)) return;
             const uint32_t owned = uint32_t(__builtin_popcount(owns & 0xFFFF));
             others.skip((16-owned)*otherBits);
-            readSixteen(boxes,first+owned,locals-16,owns >> 16,others,otherBits,coordinates,16);
+            readSixteen(boxes,first+owned,vertexCount-16,owns >> 16,others,otherBits,coordinates,16);
             return;
           }
 #endif
           for (uint32_t rest=owns; rest; rest&=rest-1, first++)
-            readVertex(boxes,g,boxes.fieldsOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
-          for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1) {
-            const uint32_t v = others.take(otherBits), of = groupOfVertex(boxes,v);
-            readVertex(boxes,of,boxes.fieldsOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+            readVertex(boxes,g,boxes.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
+          for (uint32_t rest=~owns & ((1u << vertexCount)-1); rest; rest&=rest-1) {
+            const uint32_t v = others.read(otherBits), of = groupOfVertex(boxes,v);
+            readVertex(boxes,of,boxes.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
 
@@ -552,7 +554,7 @@ namespace embree
 
         /*! Reads numbers of other groups' vertices: `count` fields of otherBits bits. Returns one number per byte of
          *  `rank`, which is the index of the field to return. */
-        static __forceinline __m256i othersAt (Bits others, uint32_t otherBits, uint32_t count, __m128i rank)
+        static __forceinline __m256i readOthers (BitReader others, uint32_t otherBits, uint32_t count, __m128i rank)
         {
           // field k becomes 16-bit word 4 (k mod 4) + k/4; a byte of -2 or -1 in a shuffle returns 0
           const __m256i mask = _mm256_set1_epi64x((1 << otherBits)-1),
@@ -560,7 +562,7 @@ namespace embree
           __m256i words = _mm256_setzero_si256();
           for (uint32_t k=0; k<count; k+=4, others.skip(4*otherBits))
             words = _mm256_or_si256(words,_mm256_sllv_epi64(_mm256_and_si256(mask,
-              _mm256_srlv_epi64(_mm256_set1_epi64x((long long)others.wide()),shifts)),_mm256_set1_epi64x(4*k)));
+              _mm256_srlv_epi64(_mm256_set1_epi64x((long long)others.peek()),shifts)),_mm256_set1_epi64x(4*k)));
           const __m128i one = _mm_set1_epi8(1),
             inLower = _mm_shuffle_epi8(_mm_setr_epi8(0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14,-2,-2),rank),
             inUpper = _mm_shuffle_epi8(_mm_setr_epi8(-2,-2,0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14),rank);
@@ -572,17 +574,18 @@ namespace embree
 
         /*! readCoordinates for up to 16 vertices of a group, if no group has fields of more than 57 bits. first:
          *  number, in the block, of the first own vertex. Stores to lanes from n on. */
-        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t locals, uint32_t owns,
-                                        Bits others, uint32_t otherBits, uint32_t (*coordinates)[32], uint32_t n) const
+        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t vertexCount, uint32_t owns,
+                                        BitReader others, uint32_t otherBits, uint32_t (*coordinates)[32],
+                                        uint32_t n) const
         {
-          const uint32_t numOthers = uint32_t(__builtin_popcount(~owns & (0xFFFFu >> (16-min(locals,16u)))));
+          const uint32_t numOthers = uint32_t(__builtin_popcount(~owns & (0xFFFFu >> (16-min(vertexCount,16u)))));
           const __m128i isOwn = bytesOfBits(owns),
-            ownRank = _mm_add_epi8(sumsOfBytes(_mm_and_si128(isOwn,_mm_set1_epi8(1))),isOwn),
+            ownRank = _mm_add_epi8(prefixSumsOfBytes(_mm_and_si128(isOwn,_mm_set1_epi8(1))),isOwn),
             otherRank = _mm_sub_epi8(_mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15),ownRank);
-          const __m256i isPresent = _mm256_cmpgt_epi16(_mm256_set1_epi16(short(locals)),
+          const __m256i isPresent = _mm256_cmpgt_epi16(_mm256_set1_epi16(short(vertexCount)),
             _mm256_setr_epi16(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15));
           const __m256i vertex = _mm256_and_si256(isPresent,_mm256_blendv_epi8(
-            othersAt(others,otherBits,numOthers,otherRank),
+            readOthers(others,otherBits,numOthers,otherRank),
             _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
             _mm256_cvtepi8_epi16(isOwn)));
 
@@ -595,8 +598,9 @@ namespace embree
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
-          // first bits of fields, see fieldsOfVertex
-          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldsOfZero), byte = _mm256_set1_epi16(255);
+          // first bits of fields, see fieldBitOfVertex
+          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldBitOfVertex0),
+            byte = _mm256_set1_epi16(255);
           const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
             zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
           const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
@@ -609,7 +613,7 @@ namespace embree
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(boxes.fieldBits[k]));
 
           const uint8_t* const data = (const uint8_t*)block + boxes.verticesBegin/8;
-          for (uint32_t i=0; i<locals && i<16; i+=8)
+          for (uint32_t i=0; i<vertexCount && i<16; i+=8)
           {
             __m256i halves[2][3];
             for (uint32_t h=0; h<2; h++)
@@ -645,13 +649,13 @@ namespace embree
 #endif
 
         /*! Subtracts the shear (meshShear) from coordinates on the sheared axis. */
-        __forceinline void unshear (uint32_t locals, uint32_t (*coordinates)[32]) const
+        __forceinline void unshear (uint32_t vertexCount, uint32_t (*coordinates)[32]) const
         {
           const int m = int(meshShearedAxis(block->form));
           const vintV s1(meshSlope(block->form,1)), s2(meshSlope(block->form,2));
           int* const c = (int*)coordinates[m], * const c1 = (int*)coordinates[axisAfter(m,1)],
             * const c2 = (int*)coordinates[axisAfter(m,2)];
-          for (uint32_t n=0; n<locals; n+=vectorWidth)
+          for (uint32_t n=0; n<vertexCount; n+=vectorWidth)
             vintV::store(c+n,vintV::load(c+n) - ((s1*vintV::load(c1+n) + s2*vintV::load(c2+n) + vintV(8)) >> 4));
         }
 

@@ -41,8 +41,8 @@ namespace embree
           // at() leaves the members for box tests unset
           VertRay ray = vertRays.at(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
-          ray.largest = vertRays.largest[k];
-          ray.descends = uint32_t(vertRays.form[k]) >> 2;
+          ray.largestComponent = vertRays.largestComponent[k];
+          ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
           alignas(64) float enter[16];
           uint32_t open = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;

@@ -34,7 +34,7 @@ namespace embree
               out.origins[e][k] = step ? step->origin[k] : block->origin[k];
               setPlanes(k,step,out.origins[e][k],out.ends[e][k],out.extent[k]);
             }
-            if (step) findFields(*step,out.steps[e]);
+            if (step) decodeFields(*step,out.steps[e]);
           }
           for (int k=0; k<3; k++) // origins and planes are rounded between the ends
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
@@ -45,12 +45,12 @@ namespace embree
         void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
           MeshDecoder::triangles(boxes.first,g,half,out.begin);
-          Places places;
-          find(boxes.first,g,places);
+          VertexOwners owners;
+          findOwners(boxes.first,g,owners);
           const uint32_t segment = boxes.key.segment;
           const MeshVertices first = out.begin.vertices;
-          if (segment > 0) move(*meshStepOf(block,segment),boxes.steps[0],first,places,out.begin.vertices);
-          move(*meshStepOf(block,segment+1),boxes.steps[1],first,places,out.end);
+          if (segment > 0) decodeStep(*meshStepOf(block,segment),boxes.steps[0],first,owners,out.begin.vertices);
+          decodeStep(*meshStepOf(block,segment+1),boxes.steps[1],first,owners,out.end);
         }
 
         /*! See MeshDecoder::number. */
@@ -118,8 +118,8 @@ namespace embree
           return boxes[i*groups+g];
         }
 
-        /*! Finds the fields and bases of all groups at a step after the first. */
-        void findFields (const MeshStep& step, MeshStepFields& out) const
+        /*! Decodes where the fields of all groups begin, and their bases, at a step after the first. */
+        void decodeFields (const MeshStep& step, MeshStepFields& out) const
         {
           const MeshStepLayout layout = meshStepLayout(groups,step.form);
           const uint8_t* const bases = (const uint8_t*)&step + layout.bases;
@@ -129,36 +129,36 @@ namespace embree
           {
             const uint32_t record = meshStepRecord(&step,g);
             out.begin[g] = uint16_t(begin);
-            uint32_t all = 0;
+            uint32_t bitsOfVertex = 0;
             for (uint32_t k=0; k<3; k++)
             {
-              const uint32_t bits = stepFieldBits(record,k), ofBase = stepBaseBits(step.form,k);
+              const uint32_t bits = stepFieldBits(record,k), baseBits = stepBaseBits(step.form,k);
               out.bits[k][g] = uint8_t(bits);
-              all += bits;
-              const uint32_t base = meshBitsAt(bases,at,ofBase);
-              out.base[k][g] = ofBase == 0 ? 0 : uint32_t(int(base << (32-ofBase)) >> (32-ofBase));
-              at += ofBase;
+              bitsOfVertex += bits;
+              const uint32_t base = meshBitsAt(bases,at,baseBits);
+              out.base[k][g] = baseBits == 0 ? 0 : uint32_t(int(base << (32-baseBits)) >> (32-baseBits));
+              at += baseBits;
             }
-            begin += groupOwnVertices(meshRecord(block,g))*all;
+            begin += groupOwnVertices(meshRecord(block,g))*bitsOfVertex;
           }
         }
 
         /*! For each vertex of a group, the group to which it belongs, and its index among that group's own vertices. */
-        struct Places
+        struct VertexOwners
         {
           uint32_t numVertices;
           uint8_t group[32], index[32];
         };
 
-        void find (const MeshBoxes& boxes, uint32_t g, Places& out) const
+        void findOwners (const MeshBoxes& boxes, uint32_t g, VertexOwners& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g),
-            locals = groupVertices(record);
+            vertexCount = groupVertices(record);
           const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
           const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
-          const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,locals);
-          out.numVertices = locals;
-          for (uint32_t i=0, own=0, other=0; i<locals; i++)
+          const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,vertexCount);
+          out.numVertices = vertexCount;
+          for (uint32_t i=0, own=0, other=0; i<vertexCount; i++)
           {
             if ((owns >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
             const uint32_t v = meshBitsAt(data,begin + at.others + at.otherBits*other++,at.otherBits);
@@ -171,25 +171,25 @@ namespace embree
 
         /*! Decodes a group's vertices at a step after the first, as MeshStepView does. first: vertices at the first
          *  step, from which `step.map` predicts. */
-        static void move (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
-                          const Places& places, MeshVertices& out)
+        static void decodeStep (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
+                                const VertexOwners& owners, MeshVertices& out)
         {
-          alignas(64) uint32_t rest[3][32]; // coordinates minus predicted ones
-          for (uint32_t i=0; i<places.numVertices; i++)
+          alignas(64) uint32_t residuals[3][32]; // coordinates minus predicted ones
+          for (uint32_t i=0; i<owners.numVertices; i++)
           {
-            const uint32_t g = places.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };
-            uint32_t at = fields.begin[g] + places.index[i]*(bits[0]+bits[1]+bits[2]);
-            for (int k=0; k<3; at+=bits[k++]) rest[k][i] = fields.base[k][g] + meshBitsAt(fields.data,at,bits[k]);
+            const uint32_t g = owners.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };
+            uint32_t at = fields.begin[g] + owners.index[i]*(bits[0]+bits[1]+bits[2]);
+            for (int k=0; k<3; at+=bits[k++]) residuals[k][i] = fields.base[k][g] + meshBitsAt(fields.data,at,bits[k]);
           }
           for (uint32_t k=0; k<3; k++)
           {
             const float origin = step.origin[k], spacing = meshSpacing(step.spacings,k);
             const bool ranked = hasRanks(step.spacings,k);
-            for (uint32_t i=0; i<places.numVertices; i++)
+            for (uint32_t i=0; i<owners.numVertices; i++)
             {
               const float p[3] = { first.at[0][i],first.at[1][i],first.at[2][i] };
               const uint32_t coordinate =
-                predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k) + rest[k][i];
+                predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k) + residuals[k][i];
               out.at[k][i] = ranked ? floatOfRank(rankOfFloat(origin)+coordinate)
                 : origin + float(int(coordinate))*spacing;
             }

@@ -20,9 +20,9 @@ namespace embree
     public:
       static const uint32_t groupTriangles = 16; //!< triangles of a full group
 
-      MeshWriter (const IrregularTriangles& from, uint32_t surface, BlockStore& store,
+      MeshWriter (const IrregularTriangles& source, uint32_t surface, BlockStore& store,
         cbvh::BuildStatistics& statistics)
-        : from(from), surface(surface), store(store), statistics(statistics) {}
+        : source(source), surface(surface), store(store), statistics(statistics) {}
 
       /*! Primitives of a full group. A primitive is a triangle or a quad. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
@@ -31,22 +31,22 @@ namespace embree
        *  store after the last cluster of a part, whose blocks must be in one piece of memory. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
-        double moved = 0; // squared distance by which rounding moved a corner
+        double squaredDeviation = 0; // largest squared distance by which rounding moved a corner
         uint32_t n = 0;
         const cbvh::MeshGroups stored = storeGroups(groups,n,[&](uint32_t i) {
-          for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
+          for (uint32_t k=0; k<source.mesh.perPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[n];
-            triangle.number = from.mesh.triangleOf(cluster[i].index,k);
-            if (from.mesh.areHalvesOfQuads() && from.isDegenerate(triangle.number)) continue; // a quad's empty half
-            moved = max(moved,from.snapCorners(triangle.number,triangle.corners));
-            n += hasThreeCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
+            triangle.number = source.mesh.triangleOf(cluster[i].index,k);
+            if (source.mesh.areHalvesOfQuads() && source.isDegenerate(triangle.number)) continue; // a quad's empty half
+            squaredDeviation = max(squaredDeviation,source.snapCorners(triangle.number,triangle.corners));
+            n += hasDistinctCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
           }
         });
-        statistics.addDeviation(moved);
+        statistics.addDeviation(squaredDeviation);
         if (n == 0) return;
-        cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(triangles,stored,from.mesh.areHalvesOfQuads(),surface,block,ofBlocks,
-          [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
+        cbvh::MeshStatistics meshStatistics;
+        encoder.encodeCluster(triangles,stored,source.mesh.areHalvesOfQuads(),surface,block,meshStatistics,
+          [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,triangles+first,stored); });
       }
 
       /*! Calls storePrimitive(i) for each primitive i of a cluster. The function must increase numTriangles by the
@@ -78,7 +78,7 @@ namespace embree
       }
 
     private:
-      static bool hasThreeCorners (const cbvh::MeshTriangle& triangle)
+      static bool hasDistinctCorners (const cbvh::MeshTriangle& triangle)
       {
         auto areEqual = [](const float* p, const float* q) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; };
         const float (&c)[3][3] = triangle.corners;
@@ -86,19 +86,19 @@ namespace embree
       }
 
       /*! Stores the encoded block. blockTriangles: its `count` triangles, with rounded corners. */
-      void add (size_t bytes, const cbvh::MeshTriangle* blockTriangles, uint32_t count)
+      void commitBlock (size_t bytes, const cbvh::MeshTriangle* blockTriangles, uint32_t count)
       {
         cbvh::WorldBounds bounds;
         for (uint32_t i=0; i<count; i++)
           for (const float (&p)[3] : blockTriangles[i].corners) bounds.extend(p[0],p[1],p[2]);
-        if (from.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
+        if (source.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),block,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
         addBlock(*(const cbvh::MeshHeader*)block,bytes,statistics);
       }
 
-      const IrregularTriangles& from;
+      const IrregularTriangles& source;
       const uint32_t surface;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;

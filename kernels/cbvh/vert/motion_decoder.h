@@ -19,7 +19,7 @@ namespace embree
     namespace cbvh
     {
       /*! Base of CellDecoder that is 0, to decode residuals alone. */
-      struct NoBase
+      struct ZeroBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
@@ -117,14 +117,14 @@ namespace embree
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
-            const WorldOfCell world = { out.ends[e],spacing,step.origin };
+            const CellWorldOutput world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
             const bool isRotated = isGroupRotated(step,gy*layout.groupsX+gx);
             if (isRotated && !hasFirst) {
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
-            if (isRotated) decodeCell(cells.words[lane],fields,RotatedBase(base,laterOf(step),first),world);
+            if (isRotated) decodeCell(cells.words[lane],fields,RotatedBase(base,laterStepOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
             if (unlikely(step.remainders != 0))
               addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
@@ -136,7 +136,7 @@ namespace embree
           return (const uint32_t*)(step.data+step.corners);
         }
         /*! Requires a step after the first. */
-        static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
+        static __forceinline const VertStep& laterStepOf (const StepView& step) { return *(const VertStep*)step.data; }
 
         /*! Decodes the first cell of a step: the corners of the groups, in coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
@@ -146,23 +146,24 @@ namespace embree
           const CellBase base(prediction,false,quadsX,quadsY);
           if (isFirstCellRotated(step)) {
             CellVertices first;
-            decodeCell(block->word,(const uint8_t*)block+layout.cell,NoBase(),CoordinatesOfCell{ first });
-            decodeCell(step.word,step.data+step.cell,RotatedBase(base,laterOf(step),first),CoordinatesOfCell{ out });
+            decodeCell(block->word,(const uint8_t*)block+layout.cell,ZeroBase(),CellLatticeOutput{ first });
+            decodeCell(step.word,step.data+step.cell,RotatedBase(base,laterStepOf(step),first),
+              CellLatticeOutput{ out });
           }
-          else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
+          else decodeCell(step.word,step.data+step.cell,base,CellLatticeOutput{ out });
         }
 
         /*! Decodes a group's residuals at the first step. */
         void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           if (boxes.key.segment == 0) {
-            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),
-              CoordinatesOfCell{ out });
+            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],ZeroBase(),
+              CellLatticeOutput{ out });
             return;
           }
           const StepView first = viewOfFirstStep(block,layout);
           const uint32_t g = (lane >> 2)*layout.groupsX + (lane & 3);
-          decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
+          decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),ZeroBase(),CellLatticeOutput{ out });
         }
 
         /*! Moves sheared planes outward: they are relative to the origin, which is rounded between the ends. */

@@ -51,21 +51,22 @@ namespace embree
         /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
-          if (isInterpolated) return now;
+          if (isInterpolated) return boxesAtTime;
           const SegmentBoxes& stored = segmentBoxes();
-          now.axis = stored.axis;
-          now.lanes = stored.lanes;
+          boxesAtTime.axis = stored.axis;
+          boxesAtTime.lanes = stored.lanes;
           for (int k=0; k<3; k++) {
-            now.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
-            now.extent[k] = stored.extent[k];
-            now.shear[k] = stored.shear[k];
+            boxesAtTime.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
+            boxesAtTime.extent[k] = stored.extent[k];
+            boxesAtTime.shear[k] = stored.shear[k];
           }
-          const Between between(fraction);
+          const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
-              between.set(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,now.planes[k].at[side]);
+              interpolator.interpolate(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,
+                                       boxesAtTime.planes[k].at[side]);
           isInterpolated = true;
-          return now;
+          return boxesAtTime;
         }
 
         /*! Returns the vertices of a group at the time, in world space. The reference is valid until another group is
@@ -104,9 +105,9 @@ namespace embree
           SegmentVertices& slot = cache.slot(block,segment,lane);
           const SegmentKey key = { block,segment,lane };
           if (unlikely(!(slot.key == key))) decode(lane,slot);
-          const Between between(fraction);
+          const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
-            between.set(slot.ends[0].at[k],slot.ends[1].at[k],cellVectors*vectorWidth,laneVertices.at[k]);
+            interpolator.interpolate(slot.ends[0].at[k],slot.ends[1].at[k],cellVectors*vectorWidth,laneVertices.at[k]);
         }
 
         MotionCache& cache;
@@ -114,8 +115,8 @@ namespace embree
         const uint32_t segment;
         const float fraction;
         mutable uint32_t lane;        //!< lane of laneVertices, or ~0
-        mutable bool isInterpolated = false; //!< `now` is set
-        mutable GroupBoxes now;
+        mutable bool isInterpolated = false; //!< `boxesAtTime` is set
+        mutable GroupBoxes boxesAtTime;
         mutable CellVertices laneVertices;
       };
     }

@@ -24,7 +24,7 @@ namespace embree
           : cache(MeshMotionCache::ofThread()), block((const MeshHeader*)block), segment(at.segment),
             fraction(at.fraction)
         {
-          atTime.key = ~size_t(0);
+          trianglesAtTime.key = ~size_t(0);
         }
 
         /*! Returns the boxes of groups if the segment is in the cache, otherwise null. */
@@ -43,29 +43,30 @@ namespace embree
         /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
-          if (isInterpolated) return now;
+          if (isInterpolated) return boxesAtTime;
           const SegmentMeshBoxes& stored = segmentBoxes();
-          now.axis = 3;
-          now.lanes = stored.first.lanes;
+          boxesAtTime.axis = 3;
+          boxesAtTime.lanes = stored.first.lanes;
           for (int k=0; k<3; k++) {
-            now.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
-            now.extent[k] = stored.extent[k];
-            now.shear[k] = 0.0f;
+            boxesAtTime.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
+            boxesAtTime.extent[k] = stored.extent[k];
+            boxesAtTime.shear[k] = 0.0f;
           }
-          const Between between(fraction);
+          const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
-              between.set(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,now.planes[k].at[side]);
+              interpolator.interpolate(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,
+                                       boxesAtTime.planes[k].at[side]);
           isInterpolated = true;
-          return now;
+          return boxesAtTime;
         }
 
         /*! Returns half a group at the time, see CachedMeshBlock::triangles. The reference is valid until another half
          *  is requested. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
-          if (atTime.key != 16*half+g) interpolate(g,half);
-          return atTime;
+          if (trianglesAtTime.key != 16*half+g) interpolate(g,half);
+          return trianglesAtTime;
         }
 
         /*! See CachedMeshBlock::point. */
@@ -101,14 +102,14 @@ namespace embree
           SegmentTriangles& slot = cache.slot(block,segment,lane);
           const SegmentKey key = { block,segment,lane };
           if (unlikely(!(slot.key == key))) decode(g,half,slot);
-          atTime.key = lane;
-          atTime.isFirstOfTwo = slot.begin.isFirstOfTwo;
-          atTime.lanes = slot.begin.lanes;
-          atTime.numVertices = slot.begin.numVertices;
-          memcpy(atTime.corners,slot.begin.corners,sizeof(atTime.corners));
-          const Between between(fraction);
+          trianglesAtTime.key = lane;
+          trianglesAtTime.hasNextHalf = slot.begin.hasNextHalf;
+          trianglesAtTime.lanes = slot.begin.lanes;
+          trianglesAtTime.numVertices = slot.begin.numVertices;
+          memcpy(trianglesAtTime.corners,slot.begin.corners,sizeof(trianglesAtTime.corners));
+          const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
-            between.set(slot.begin.vertices.at[k],slot.end.at[k],32,atTime.vertices.at[k]);
+            interpolator.interpolate(slot.begin.vertices.at[k],slot.end.at[k],32,trianglesAtTime.vertices.at[k]);
         }
 
         MeshMotionCache& cache;
@@ -116,8 +117,8 @@ namespace embree
         const uint32_t segment;
         const float fraction;
         mutable bool isInterpolated = false;
-        mutable GroupBoxes now;
-        mutable MeshTriangles atTime; //!< the key is 16 half + group, or ~0
+        mutable GroupBoxes boxesAtTime;
+        mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
       };
 
       __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t h) {

@@ -16,39 +16,40 @@ namespace embree
     class MovingMeshWriter
     {
     public:
-      MovingMeshWriter (const IrregularTriangles& from, const CompressionPlan& plan, BlockStore& store,
+      MovingMeshWriter (const IrregularTriangles& source, const CompressionPlan& plan, BlockStore& store,
                         cbvh::BuildStatistics& statistics)
-        : from(from), plan(plan), store(store), statistics(statistics),
+        : source(source), plan(plan), store(store), statistics(statistics),
           boxes(plan.numTimeSteps,emptyBox()),
           words(cbvh::MeshMotionEncoder::maxBytes(plan.numTimeSteps)/sizeof(uint32_t)+1) {}
 
       /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
-        double moved = 0; // squared distance by which rounding moved a vertex
+        double squaredDeviation = 0; // largest squared distance by which rounding moved a vertex
         uint32_t n = 0;
         const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,n,[&](uint32_t i) {
-          for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
-            const uint32_t number = from.mesh.triangleOf(cluster[i].index,k);
-            if (from.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
+          for (uint32_t k=0; k<source.mesh.perPrimitive; k++) {
+            const uint32_t number = source.mesh.triangleOf(cluster[i].index,k);
+            if (source.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
             triangles[n].number = number;
-            from.cornerIDs(number,ids[n]);
-            for (int c=0; c<3; c++) moved = max(moved,from.snapVertex(0,ids[n][c],triangles[n].corners[c]));
+            source.cornerIDs(number,ids[n]);
+            for (int c=0; c<3; c++)
+              squaredDeviation = max(squaredDeviation,source.snapVertex(0,ids[n][c],triangles[n].corners[c]));
             n++;
           }
         });
         if (n == 0) return;
-        const cbvh::MovingCluster moving = { triangles,ids,stored,from.mesh.areHalvesOfQuads(),plan.surface,
+        const cbvh::MovingCluster movingCluster = { triangles,ids,stored,source.mesh.areHalvesOfQuads(),plan.surface,
           plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
-        cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
+        cbvh::MeshStatistics meshStatistics;
+        encoder.encodeCluster(movingCluster,(uint8_t*)words.data(),meshStatistics,
           [&](uint32_t step, uint32_t id, float out[3]) {
-            moved = max(moved,from.snapVertex(step,id,out));
+            squaredDeviation = max(squaredDeviation,source.snapVertex(step,id,out));
             extend(boxes[step],out);
           },
-          [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,first,stored); });
-        statistics.sums.motionBytes += size_t(ofBlocks.stepBytes);
-        statistics.addDeviation(moved);
+          [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,first,stored); });
+        statistics.sums.motionBytes += size_t(meshStatistics.stepBytes);
+        statistics.addDeviation(squaredDeviation);
         store.flushIfFull();
       }
 
@@ -61,7 +62,7 @@ namespace embree
 
       /*! Stores the encoded block. first, count: its triangles. Requires `boxes` of all steps but the first, which it
        *  computes. */
-      void add (size_t bytes, uint32_t first, uint32_t count)
+      void commitBlock (size_t bytes, uint32_t first, uint32_t count)
       {
         for (uint32_t i=first; i<first+count; i++)
           for (const float (&corner)[3] : triangles[i].corners) extend(boxes[0],corner);
@@ -73,14 +74,14 @@ namespace embree
           box = emptyBox();
         }
         cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
-        if (from.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
+        if (source.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),header,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
         MeshWriter::addBlock(*header,bytes,statistics);
       }
 
-      const IrregularTriangles& from;
+      const IrregularTriangles& source;
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;

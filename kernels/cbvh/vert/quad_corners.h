@@ -98,9 +98,9 @@ namespace embree
         __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
         {
           const __m256 column = _mm256_permute2f128_ps(v.at[2],v.at[2],0x11);
-          right[0] = fourth(v.at[0],_mm256_permutevar_ps(column,_mm256_setr_epi32(0,0,0,0,1,1,1,1)));
-          right[1] = fourth(v.at[1],_mm256_permutevar_ps(column,_mm256_setr_epi32(2,2,2,2,3,3,3,3)));
-          right[2] = fourth(v.at[2],v.last);
+          right[0] = insertFourth(v.at[0],_mm256_permutevar_ps(column,_mm256_setr_epi32(0,0,0,0,1,1,1,1)));
+          right[1] = insertFourth(v.at[1],_mm256_permutevar_ps(column,_mm256_setr_epi32(2,2,2,2,3,3,3,3)));
+          right[2] = insertFourth(v.at[2],v.last);
         }
 
         __forceinline vfloatV at (int j, int c) const
@@ -111,7 +111,7 @@ namespace embree
 
       private:
         /*! Shifts two rows left by one lane, and inserts `last` into their last lanes. */
-        static __forceinline vfloatV fourth (const vfloatV& rows, const vfloatV& last) {
+        static __forceinline vfloatV insertFourth (const vfloatV& rows, const vfloatV& last) {
           return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
         }
 

@@ -28,7 +28,7 @@ namespace embree
          * one vector load reads them. A load of data from several smaller stores would wait for these. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
         alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
-        Real largest; //!< largest absolute component of dir
+        Real largestComponent; //!< largest absolute component of dir
 
         /*! Sets all members but rcp. */
         template<typename Vector>
@@ -36,19 +36,19 @@ namespace embree
         {
           org[0] = o.x; org[1] = o.y; org[2] = o.z;
           dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
-          largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
+          largestComponent = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
         }
       };
 
       /*! The nearest hit of a ray in cVERT and mesh blocks. */
-      struct VertNearest
+      struct NearestVertHit
       {
         const VertHeader* block; //!< null without a hit
         uint32_t triangle;       //!< in the block: 32 times the lane of the group, plus the triangle in the group
         float t;
 
-        __forceinline VertNearest () : block(nullptr) {}
-        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
+        __forceinline NearestVertHit () : block(nullptr) {}
+        __forceinline NearestVertHit (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
         /*! True if another triangle, hit at the same distance, takes precedence over this hit. Requires a hit. */
@@ -68,10 +68,10 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< kz: axis of the largest component of dir, then the next axes kx and ky
         float sx, sy;     //!< shear: dir[kx]/dir[kz] and dir[ky]/dir[kz]
-        uint32_t descends; //!< bit k: rcp[k] is negative
+        uint32_t negativeAxes; //!< bit k: rcp[k] is negative
         VertCache* cache; //!< cache of the calling thread
 
-        mutable VertNearest nearest; //!< updated by accepted hits
+        mutable NearestVertHit nearest; //!< updated by accepted hits
 
         __forceinline VertRay () : isSet(false) {}
 
@@ -84,9 +84,9 @@ namespace embree
           vfloat4::store(org,vfloat4(Vec3fa(ray.org).m128));
           vfloat4::store(dir,direction);
           vfloat4::store(rcp,reciprocals);
-          descends = uint32_t(movemask(reciprocals < vfloat4(zero)));
+          negativeAxes = uint32_t(movemask(reciprocals < vfloat4(zero)));
           const Vec3fa a = abs(Vec3fa(ray.dir));
-          largest = max(max(a.x,a.y),a.z);
+          largestComponent = max(max(a.x,a.y),a.z);
           kz = largestAxis(a.x,a.y,a.z);
           setAxes();
           const float sz = 1.0f/dir[kz];
@@ -109,7 +109,7 @@ namespace embree
       public:
         vfloat<K> sx, sy;
         VertCache* cache;    //!< cache of the calling thread
-        vint<K> form;        //!< bits 0..1: kz; bits 2..4: signs of rcp. Rays of the same form are traced together.
+        vint<K> rayClass;    //!< bits 0..1: kz; bits 2..4: signs of rcp. Rays of the same class are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
 
@@ -119,7 +119,7 @@ namespace embree
           isSet = true;
           cache = &VertCache::ofThread();
           VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
-          for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
+          for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largestComponent);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
           // as largestAxis: for NaN, <= is false on all instruction sets, but results of > and max differ
@@ -127,20 +127,20 @@ namespace embree
           const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
           sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;
           sy = select(notZ,select(isX,dir[2],dir[0]),dir[1])*sz;
-          form = select(notZ,select(isX,vint<K>(zero),vint<K>(1)),vint<K>(2));
-          for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
+          rayClass = select(notZ,select(isX,vint<K>(zero),vint<K>(1)),vint<K>(2));
+          for (int k=0; k<3; k++) rayClass |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
         }
 
-        __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
+        __forceinline NearestVertHit& nearest (size_t k) { return rays[k].nearest; }
 
-        /*! Ray k for tests of triangles: rcp, largest, descends and cache are not set. */
+        /*! Ray k for tests of triangles: rcp, largestComponent, negativeAxes and cache are not set. */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];
           if (likely((loaded >> k) & 1)) return ray;
           loaded |= 1u << k;
           for (int i=0; i<3; i++) { ray.org[i] = this->org[i][k]; ray.dir[i] = this->dir[i][k]; }
-          ray.kz = form[k] & 3;
+          ray.kz = rayClass[k] & 3;
           ray.setAxes();
           ray.sx = sx[k];
           ray.sy = sy[k];

@@ -48,8 +48,8 @@ namespace embree
         int first = end;
         for (int l=4*row; l<4*row+4; l++)
           if (hasField[l]) first = std::min(first,field[l]*bits/8);
-        // the window must not extend more than readPast bytes past the last field
-        const int offset = std::max(std::min(first,end+readPast-16),0);
+        // the window must not extend more than maxOverread bytes past the last field
+        const int offset = std::max(std::min(first,end+maxOverread-16),0);
         w.offset[row] = uint8_t(offset);
         for (int l=4*row; l<4*row+4; l++)
         {

@@ -55,7 +55,7 @@ namespace embree
 
       static const int maxWindowBits = 32;
       static const int maxBitsOfFour = 25; //!< largest field that fits into four bytes at any first bit 0 to 7
-      static const int readPast = 8;       //!< largest number of bytes that windows read after the last field
+      static const int maxOverread = 8;    //!< largest number of bytes that windows read after the last field
 
       /*! False for numbers of bits without windows: windows of fields below 3 bits would read too far after the last
        *  field, and four fields of 31 bits can extend over 17 bytes. */

@@ -42,7 +42,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! True if the ray's line passes through the triangle. sides: see sides(); isInside must be true for them. */
+        /*! True if the ray's line passes through the triangle. sides: see sides(); mayContain must be true for them. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(haveExactSigns(sides)) || containsExactly(ray);
         }
@@ -116,9 +116,9 @@ namespace embree
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
-          const CellVector z = from(ray,group,ray.kz);
-          const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z));
-          const QuadCornersV cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
+          const CellVector z = relativeToRay(ray,group,ray.kz);
+          const QuadCornersV cornersX(shearToRay(relativeToRay(ray,group,ray.kx),ray.sx,z));
+          const QuadCornersV cornersY(shearToRay(relativeToRay(ray,group,ray.ky),ray.sy,z));
           vboolV first[QuadCornersV::vectors], second[QuadCornersV::vectors];
           for (int j=0; j<QuadCornersV::vectors; j++)
           {
@@ -132,29 +132,31 @@ namespace embree
             const vfloatV bottom = edgeSide(x[0],y[0],x[1],y[1]);
             const vfloatV right  = edgeSide(x[1],y[1],x[3],y[3]);
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
-            first[j] = isInside(diag,left,bottom);
-            second[j] = isInside(right,top,-diag);
+            first[j] = mayContain(diag,left,bottom);
+            second[j] = mayContain(right,top,-diag);
             halves[0].set(j,diag,left,bottom);
             halves[1].set(j,right,top,-diag);
           }
-          const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), met = firsts | (seconds << 16);
-          if (met == 0) return;
+          const uint32_t firstMask = lanesOf(first), secondMask = lanesOf(second);
+          const uint32_t candidateMask = firstMask | (secondMask << 16);
+          if (candidateMask == 0) return;
           // in most cases there is one triangle
-          const uint32_t one = uint32_t(bsf(met));
-          const bool isOne = (met & (met-1)) == 0;
-          mask = likely(isOne) ? 1u << (2*(one & 15u) + (one >> 4)) : spread(firsts) | (spread(seconds) << 1);
+          const uint32_t lowest = uint32_t(bsf(candidateMask));
+          const bool isSingle = (candidateMask & (candidateMask-1)) == 0;
+          mask = likely(isSingle) ? 1u << (2*(lowest & 15u) + (lowest >> 4))
+            : spread(firstMask) | (spread(secondMask) << 1);
         }
 
       private:
         SidesInLanes halves[2]; //!< of the first triangles of all quads, and of the second
 
-        static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
+        static __forceinline CellVector relativeToRay (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
           return CellVector(group.at[k]).with([&](const vfloatV& x) { return x - org; });
         }
 
-        static __forceinline CellVector sheared (const CellVector& x, float shear, const CellVector& z)
+        static __forceinline CellVector shearToRay (const CellVector& x, float shear, const CellVector& z)
         {
           const vfloatV s(shear);
           return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
@@ -204,7 +206,7 @@ namespace embree
             {
               const Point right = vertex(i+1,j+1);
               const vfloat<K> diag = side(below[i+1],left), rightSide = side(below[i+1],right), top = side(right,left);
-              const vbool<K> first = isInside(diag,leftSide,bottom[i]), second = isInside(rightSide,top,-diag);
+              const vbool<K> first = mayContain(diag,leftSide,bottom[i]), second = mayContain(rightSide,top,-diag);
               if (unlikely(any(first | second)))
                 mask |= select(first,vint<K>(int(1u << (2*(4*j+i)))),vint<K>(zero))
                   | select(second,vint<K>(int(2u << (2*(4*j+i)))),vint<K>(zero));

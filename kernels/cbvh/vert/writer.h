@@ -26,7 +26,7 @@ namespace embree
     {
     public:
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
+        : plan(plan), store(store), statistics(statistics), evaluatedVertices(device), stepVertices(device,0) {}
 
       /*! Rows of quads in a strip, a multiple of the rows of a block. Limits the vertices of all time steps to about
        *  the memory of 256 x 256 quads. */
@@ -43,8 +43,8 @@ namespace embree
         writeStrip(patch,strip,[&](const PatchPart& all, unsigned step) -> PatchVertices& {
             const float (*vertices)[3] = evaluated(step);
             if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
-            given.set(patch.quads[0],patch.quads[1],vertices);
-            return given;
+            evaluatedVertices.set(patch.quads[0],patch.quads[1],vertices);
+            return evaluatedVertices;
           });
       }
 
@@ -75,7 +75,7 @@ namespace embree
         {
           PatchVertices& vertices = evaluate(strip,0);
           statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,latticeOf(patch,0),vertices);
-          forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
+          forEachBlock(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
               copyBlock(vertices.displaced(),vertices.width,x,y-strip.y0,w,h,encoder.vertices);
               writeBlock(patch,x,y,w,h);
             });
@@ -87,9 +87,9 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        moved.reserve(3*count*plan.numTimeSteps); // otherwise the capacity would grow to a power of two
-        moved.resize(3*count*plan.numTimeSteps);
-        auto verticesOfStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
+        stepVertices.reserve(3*count*plan.numTimeSteps); // otherwise the capacity would grow to a power of two
+        stepVertices.resize(3*count*plan.numTimeSteps);
+        auto verticesOfStep = [&](unsigned step) { return (float(*)[3])stepVertices.data() + count*step; };
         size_t flipped = 0;
         for (unsigned step=0; step<plan.numTimeSteps; step++)
         {
@@ -98,7 +98,7 @@ namespace embree
           memcpy(verticesOfStep(step),vertices.displaced(),count*sizeof(float[3]));
         }
         statistics.sums.numFlippedQuads += flipped;
-        forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
+        forEachBlock(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
             writeMovingBlock(patch,x,y,w,h,[&](unsigned step, float (*out)[3]) {
                 copyBlock(verticesOfStep(step),width,x,y-strip.y0,w,h,out);
               });
@@ -106,7 +106,7 @@ namespace embree
       }
 
       template<typename Closure>
-      static void forBlocks (const SurfacePatch& patch, const PatchPart& strip, const Closure& closure)
+      static void forEachBlock (const SurfacePatch& patch, const PatchPart& strip, const Closure& closure)
       {
         for (unsigned y=strip.y0; y<strip.y1; y+=cbvh::vertBlockQuads)
           for (unsigned x=0; x<patch.quads[0]; x+=cbvh::vertBlockQuads)
@@ -122,7 +122,7 @@ namespace embree
 
       void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
-        const cbvh::VertPlacement at = place(patch,x,y,w,h);
+        const cbvh::VertPlacement at = choosePlacement(patch,x,y,w,h);
         cbvh::VertStatistics block;
         uint8_t* const bytes = store.reserve(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
         const size_t size = encoder.encode(at,bytes,block);
@@ -132,7 +132,7 @@ namespace embree
         }
         cbvh::WorldBounds bounds;
         extend(bounds,encoder);
-        end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
+        commitBlock(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
       /*! copy(step,vertices): must store the block's vertices at a time step. */
@@ -141,7 +141,7 @@ namespace embree
                              const Copy& copy)
       {
         if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
-        const cbvh::VertPlacement at = place(patch,x,y,w,h);
+        const cbvh::VertPlacement at = choosePlacement(patch,x,y,w,h);
         uint8_t* const bytes =
           store.reserve(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
@@ -165,7 +165,7 @@ namespace embree
         }
         statistics.sums.numMovingQuads += size_t(w)*h;
         statistics.sums.motionBytes += block.stepBytes;
-        end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
+        commitBlock(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
       }
 
       static void extend (cbvh::WorldBounds& bounds, const cbvh::BlockVertices& vertices)
@@ -176,16 +176,16 @@ namespace embree
       }
 
       /*! Placement of a block in its patch. If the patch has a primitive number per quad, also sets `numbers`. */
-      cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
+      cbvh::VertPlacement choosePlacement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
-        if (!patch.numbers) return placement(patch,x,y,w,h);
+        if (!patch.numbers) return patchPlacement(patch,x,y,w,h);
         numbers.choosePattern(*patch.numbers,x,y,w,h);
         return cbvh::VertPlacement(cbvh::packRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 
       /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */
-      void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block,
-                const cbvh::WorldBounds& bounds, uint32_t type)
+      void commitBlock (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size,
+                        const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
       {
         header->surface = patch.surface;
         header->primID = patch.primID;
@@ -232,7 +232,8 @@ namespace embree
 
       /*! Placement of a block whose quads belong to one primitive. Stores the edges of the patch only if (u,v) do not
        *  follow from the numbers of quads alone. */
-      cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
+      cbvh::VertPlacement patchPlacement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w,
+                                          unsigned h) const
       {
         const uint32_t region = cbvh::packRegion(w,h,x,y), quads = cbvh::packPatchQuads(patch.quads[0],patch.quads[1]);
         const bool touches[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
@@ -252,55 +253,56 @@ namespace embree
         float (*p)[3] = vertices.displaced();
         // cVERT does not use undisplaced vertices: their memory keeps the vertices before rounding
         memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p));
-        const float (*own)[3] = vertices.undisplaced();
+        const float (*original)[3] = vertices.undisplaced();
         // shareBorder rounds the vertices on the patch's border
         for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
         {
           size_t i = y*vertices.width + 1;
           const size_t end = i + vertices.width-2;
           for (; i+4 <= end; i+=4)
-            statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i)*double(lattice.spacing)*double(lattice.spacing));
+            statistics.addDeviation(cbvh::snapFour(lattice,original+i,p+i)*double(lattice.spacing)
+                                    *double(lattice.spacing));
           for (; i<end; i++)
           {
-            for (int k=0; k<3; k++) p[i][k] = lattice.snap(own[i][k]);
-            statistics.addVertex(own[i],p[i]);
+            for (int k=0; k<3; k++) p[i][k] = lattice.snap(original[i][k]);
+            statistics.addVertex(original[i],p[i]);
           }
         }
-        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,own,p,statistics);
-        return countFlipped(vertices,own,p);
+        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,original,p,statistics);
+        return countFlipped(vertices,original,p);
       }
 
-      static size_t countFlipped (const PatchVertices& vertices, const float (*own)[3], const float (*stored)[3])
+      static size_t countFlipped (const PatchVertices& vertices, const float (*original)[3], const float (*snapped)[3])
       {
         size_t n = 0;
         const size_t width = vertices.width;
         for (size_t y=0; y+1<vertices.height; y++)
         {
           size_t x = 0;
-          for (; x+4 < width; x+=4) n += cbvh::countFlippedOfFour(own+y*width+x,stored+y*width+x,width);
+          for (; x+4 < width; x+=4) n += cbvh::countFlippedOfFour(original+y*width+x,snapped+y*width+x,width);
           for (; x+1<width; x++)
           {
             const size_t a = y*width + x, b = a+1, c = a+width, d = c+1;
-            n += isFlipped(own,stored,a,b,c) || isFlipped(own,stored,b,d,c);
+            n += isFlipped(original,snapped,a,b,c) || isFlipped(original,snapped,b,d,c);
           }
         }
         return n;
       }
 
-      static bool isFlipped (const float (*own)[3], const float (*stored)[3], size_t a, size_t b, size_t c)
+      static bool isFlipped (const float (*original)[3], const float (*snapped)[3], size_t a, size_t b, size_t c)
       {
         auto normal = [&](const float (*p)[3]) {
           auto edge = [&](size_t i) { return Vec3fa(p[i][0],p[i][1],p[i][2]) - Vec3fa(p[a][0],p[a][1],p[a][2]); };
           return cross(edge(b),edge(c));
         };
-        return dot(normal(own),normal(stored)) < 0.0f;
+        return dot(normal(original),normal(snapped)) < 0.0f;
       }
 
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices given;             //!< copy of the vertices that the caller evaluated
-      mvector<float> moved;         //!< vertices of a strip, rounded, one time step after the other
+      PatchVertices evaluatedVertices; //!< copy of the vertices that the caller evaluated
+      mvector<float> stepVertices;  //!< vertices of a strip, rounded, one time step after the other
       unsigned sideRates[4];        //!< edge rates of the patch's sides, the same in the faces that share them
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block

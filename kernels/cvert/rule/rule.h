@@ -116,7 +116,7 @@ CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 
 /*! True if the ray is on the same side of three edges, or on some of them. Never false if the ray passes through the
  *  triangle, but may be true if a side rounded to 0. */
-CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
+CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) mayContain (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
@@ -137,7 +137,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! True if no side rounded to 0, for triangles that satisfy isInside. lesser and greater are nested differently,
+/*! True if no side rounded to 0, for triangles that satisfy mayContain. lesser and greater are nested differently,
  *  because compilers would otherwise generate a branch that is mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides) sides)
 {
@@ -215,7 +215,7 @@ CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy isInside, but not
+/*! True if the ray passes through the triangle, by exact signs. For triangles that satisfy mayContain, but not
  *  haveExactSigns. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line,
  *  which other triangles cover. */
 CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)

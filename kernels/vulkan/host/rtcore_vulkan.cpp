@@ -20,7 +20,9 @@
 using namespace embree::vulkan;
 namespace core = embree::core;
 
-void embree::core::invalidArgument(const std::string& text) { throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text); }
+void embree::core::throwInvalidArgument(const std::string& text) {
+  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text);
+}
 
 namespace {
 
@@ -71,7 +73,7 @@ public:
     size_t own;
     std::memcpy(&own, info, sizeof(own));
     if (own != size)
-      core::invalidArgument("RTCVulkanDeviceInfo: invalid structSize " + std::to_string(own) + " of infos["
+      core::throwInvalidArgument("RTCVulkanDeviceInfo: invalid structSize " + std::to_string(own) + " of infos["
                             + std::to_string(i) + "]: expected " + std::to_string(size) + ", as infos[0] has it");
     return (RTCVulkanDeviceInfo*)info;
   }

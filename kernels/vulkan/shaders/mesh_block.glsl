@@ -275,7 +275,7 @@ uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRa
     c = cbvhSheared(shear, ray.org, cbvhStreamVertex(block, group, i));
     missing--;
     if (missing == 0u) {
-      if (isInside(cbvhSide(b, c), cbvhSide(c, a), cbvhSide(a, b))) mask |= 1u << t;
+      if (mayContain(cbvhSide(b, c), cbvhSide(c, a), cbvhSide(a, b))) mask |= 1u << t;
       t++;
       missing = ((group.restarts >> (t & 31u)) & 1u) != 0u ? 3u : 1u;
     }

@@ -52,8 +52,8 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
             bottom = cbvhSide(below[i], below[i + 1]);
       float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
       uint bit = 2u*uint(4*j + i);
-      if (isInside(diag, left, bottom)) mask |= 1u << bit;
-      if (isInside(right, top, -diag)) mask |= 2u << bit;
+      if (mayContain(diag, left, bottom)) mask |= 1u << bit;
+      if (mayContain(right, top, -diag)) mask |= 2u << bit;
     }
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
