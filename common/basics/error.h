@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Exceptions of the tools. runProgram prints what() as one line on stderr, so a message must name the file or the
- * argument, and its value. */
+/* Exceptions of the tools. runProgram prints what() as one line, so a message must name the file or the argument, and
+ * its value. */
 
 #include <stdexcept>
 #include <string>

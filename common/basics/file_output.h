@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Files that appear either complete or not at all: written under a temporary name next to the final one, then
- * renamed. Devices, pipes and descriptors such as /dev/stdout are written in place, because a rename would replace
- * them. */
+/* Files that appear complete or not at all: written under a temporary name in the same folder, then renamed. Devices,
+ * pipes and descriptors such as /dev/stdout are written in place, because a rename would replace them. */
 
 #include <cstdint>
 #include <memory>

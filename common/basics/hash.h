@@ -21,7 +21,7 @@ struct HashOfWords
   }
 };
 
-/* FNV-1a. `hash` is the hash of the preceding bytes. */
+/* FNV-1a. To continue, pass the hash of the preceding bytes. */
 constexpr uint64_t emptyHash = 14695981039346656037ull;
 inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t hash = emptyHash)
 {

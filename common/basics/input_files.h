@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Keeps outputs of a run from replacing its inputs. All functions are thread-safe. */
+/* Keeps outputs of a run from replacing its inputs. Thread-safe. */
 
 #include <string>
 
 namespace cbvh {
 
-/* Finds a file by device and inode, under any path. Ignores files that do not exist. */
+/* Identifies the file by device and inode. Ignores files that do not exist. */
 void recordInputFile(const std::string& path);
 
 /* Throws Error with both paths if writing to `path` would replace a recorded file that still exists. */

@@ -17,12 +17,12 @@ namespace cbvh {
 /* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. The second signal ends the process. */
 void installCancelHandler();
 
-/* After such a signal the process must end soon. */
+/* True after such a signal: the process must end soon. */
 bool interrupted();
 
 /* Makes a signal also end the process after 0.25 s, with status 130 and a line that starts with `program`: Embree
- * polls for cancellation rarely, and freeing a large scene takes seconds. Removes the unfinished file; no other
- * cleanup runs. Requires installCancelHandler. */
+ * polls for cancellation rarely, and freeing a large scene takes seconds. Only removes the unfinished file. Requires
+ * installCancelHandler. */
 void forceExitAfterCancel(const char* program);
 
 /* Sets the file that forceExitAfterCancel removes; empty for none. */
@@ -33,7 +33,7 @@ void requestCancel();
 /* Withdraws requestCancel, but not a signal. */
 void clearCancel();
 
-/* Thread-safe. */
+/* True after requestCancel or a signal. Thread-safe. */
 bool cancelRequested();
 
 void throwIfCanceled();

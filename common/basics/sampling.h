@@ -40,6 +40,7 @@ inline Vec3f cosineDirection(Vec3f n, std::mt19937& random)
   return directionAround(n, std::sqrt(1.0f - radius2), angle);
 }
 
+/* Uniform over the unit sphere. */
 inline Vec3f uniformDirection(std::mt19937& random)
 {
   const float z = 2.0f * uniform(random) - 1.0f, angle = 2.0f * float(M_PI) * uniform(random);

@@ -37,8 +37,8 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
   device.check("committing the scene");
 }
 
-/* Sets up one context per copy; they must outlive the scene and may have captures already. `poses` is empty for a
- * static scene. */
+/* Sets up one context per copy and keeps captures that are already set. Contexts must outlive the scene. `poses` is
+ * empty for a static scene. */
 void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
                   const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
@@ -53,7 +53,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
   }
 }
 
-/* Builds GRID at the first time step, lets `captures` (one per copy) receive the vertices, and frees the scene. */
+/* Builds GRID at the first time step, passes the vertices to `captures` (one per copy), and frees the scene. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
                      const std::string& phase)
 {
@@ -222,8 +222,8 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
                  name.c_str());
 }
 
-/* NAIVE's vertices are GRID's: a second subdivision geometry is built as GRID, captures each vertex that it
- * tessellates, and is freed. Each quad becomes two triangles, split as in GRID from (1,0) to (0,1):
+/* NAIVE's vertices are GRID's: captureVertices builds GRID and frees it. Each quad becomes two triangles, split as in
+ * GRID from (1,0) to (0,1):
  *
  *     01 --- 11
  *      | \ B |        A = 00, 10, 01    B = 01, 10, 11    (first digit u)

@@ -30,7 +30,7 @@ struct StoredMesh
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
 
-/* Limits how far cVERT moves vertices, in pixels of a camera. */
+/* Bound on the movement of cVERT's vertices, in pixels of a camera. */
 struct PixelBound
 {
   float pixels = 0;     // 0 for none
@@ -107,7 +107,7 @@ public:
   /* Saves a compressed scene (saved_scene.h). Replaces the file only on success. Throws Error. */
   void save(const std::string& path) const;
 
-  /* Converts triangles of NAIVE to faces and (u,v). */
+  /* Hits on NAIVE's triangles are converted to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
   /* Writes the vertices of the stored triangle that was hit. `time` is the ray's. Returns false if there is none.

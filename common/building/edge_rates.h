@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Quads along each edge, if edges differ. */
+/* Edge rates that differ between edges. */
 
 #include "surface/cage.h"
 #include "surface/patch_point.h"
@@ -26,13 +26,14 @@ struct EdgeRates
   std::vector<unsigned> sizes;    // per face
   size_t quads = 0;
 
-  /* The same on both sides of an edge. */
+  /* Level for filtering displacement at a point, interpolated between corners; the same on both sides of an edge. */
   float level(const Copy& copy, unsigned face, float u, float v) const;
 };
 
 /* Sets all members except for rates. The level of a vertex is the highest level of its edges. */
 void setLevels(const Cage& cage, EdgeRates& rates);
 
+/* Quads of a copy with these rates, one per face index. */
 size_t countQuads(const Cage& cage, const std::vector<float>& rates);
 
 } // namespace cbvh

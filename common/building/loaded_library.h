@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Ours has the same file name as Embree's, so the dynamic linker may find another one than intended. */
+/* Identifies the library in use: ours and Embree's have the same file name, so the dynamic linker may find either. */
 
 #include <string>
 
@@ -19,6 +19,7 @@ struct LoadedLibrary
   std::string description() const;
 };
 
+/* All members are empty if no library is loaded. */
 LoadedLibrary loadedLibrary();
 
 /* Throws Error with the loaded library and a remedy if Embree CBVH's functions are missing. */

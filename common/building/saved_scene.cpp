@@ -39,7 +39,7 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
-/* Opens geometries (reads their trees) on all threads. */
+/* Opening a geometry reads its tree. */
 SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
   : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
 {

@@ -54,7 +54,7 @@ private:
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::vector<RTCCompressedFileGeometryInfo> descriptions;
   std::vector<RTCCompressionStatistics> statistics;
-  unsigned facesPerGeometry = 1;
+  unsigned facesPerGeometry = 1; // maximum over the geometries
   double opening = 0, openingProcessorSeconds = 0;
 };
 

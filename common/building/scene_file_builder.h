@@ -14,8 +14,8 @@ namespace cbvh {
 struct FileBuildReport
 {
   size_t geometries = 0, found = 0; // found: in the file of an interrupted build
-  double seconds = 0;               // without the geometries found
-  size_t quads = 0;                 // without the geometries found
+  double seconds = 0;               // without these
+  size_t quads = 0;                 // without these
   size_t peakBytes = 0;             // maximum that the device held
 };
 

@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Stock Embree calls its progress monitor only after the tessellation. */
+/* Progress by displaced points, because stock Embree calls its progress monitor only after the tessellation. */
 class TessellationProgress
 {
 public:

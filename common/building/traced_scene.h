@@ -22,7 +22,7 @@ public:
 
   virtual RTCScene handle() const = 0;
 
-  /* vulkan() returns the tracer if it is a Vulkan device, otherwise null. */
+  /* vulkan() is null unless the tracer is a Vulkan device. */
   virtual const SceneTracer& tracer() const = 0;
   virtual const VulkanTracer* vulkan() const { return nullptr; }
 

@@ -30,6 +30,7 @@ std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& ca
 BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
                               const std::optional<ViewDicing>& dicing, float maxPixelError);
 
+/* Highest edge rate that all these representations support. */
 float highestRate(const std::vector<Representation>& representations);
 
 } // namespace cbvh

@@ -16,7 +16,6 @@
 namespace cbvh {
 namespace {
 
-/* selects the driver's ray queries */
 const std::string rayQueryName = "ray-query";
 
 } // namespace

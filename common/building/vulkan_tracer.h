@@ -30,7 +30,7 @@ public:
 
   virtual const VulkanSceneReport& report() const = 0;
 
-  /* Trace as intersect and occluded. Return the device's time in seconds, without copies. */
+  /* As intersect and occluded. Return the device's seconds, without copies. */
   virtual double timeIntersect(RTCRayHit* rays, size_t n) const = 0;
   virtual double timeOccluded(RTCRay* rays, size_t n) const = 0;
 };

@@ -14,7 +14,7 @@
 
 namespace cbvh {
 
-/* A vertex, exact to the bit. */
+/* A vertex of GRID, to the bit. */
 struct AimPoint
 {
   Vec3f position;

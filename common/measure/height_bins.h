@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The best possible accuracy of 4-bit heights in the tightest box of each quad: a reference for leaves that depends
- * only on the surface.
+/* The best possible accuracy of 4-bit heights in the tightest box of each quad: a reference for leaves.
  *
  * A box along z, the normal of a block's corners before displacement, has 16 bins from the lowest to the highest
  * vertex of its quad. Rounding to the middle of a bin leaves an error that is uniform over half a bin each way. A

@@ -36,7 +36,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
 
 constexpr float farOffPixels = 5.0f;
 
-/* The nearer hit is the correct one if a ray slipped between two triangles in one traversal. */
+/* Correct if a ray slipped between two triangles in one of the traversals. */
 std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b);
 
 /* Special values of pixelErrors. */

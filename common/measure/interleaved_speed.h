@@ -38,8 +38,8 @@ inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std
   });
 }
 
-/* The scenes trace the same rays alternately. Returns the speed of `ours` divided by the speed of `theirs` for each
- * run; `hits` receives theirs and ours of the last one. */
+/* Traces the same rays alternately. Returns the speed of `ours` divided by the speed of `theirs` per run; `hits`
+ * receives theirs and ours of the last run. */
 inline std::vector<double> interleavedSpeedups(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
                                                TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
@@ -60,7 +60,7 @@ inline double medianSpeedup(RTCScene theirs, RTCScene ours, const std::vector<RT
 
 inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* Rays of a picture, in rows and in tiles, and rays that bounce off its hits. Times are random in [0,1), or 0. */
+/* Primary rays in rows and in tiles, and rays that bounce off their hits. Times are random in [0,1), or 0. */
 struct PictureRays
 {
   PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes)

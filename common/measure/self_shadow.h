@@ -18,7 +18,7 @@
 
 namespace cbvh {
 
-/* Keeps secondary rays off the surface that they leave, as renderers do. */
+/* How secondary rays avoid the surface that they leave, as in renderers. */
 struct RayOffset
 {
   float length = 0.0f;  // along the geometric normal to the ray's side, world units

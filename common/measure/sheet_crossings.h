@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Rays from one side of a displaced sheet to the other: each must hit it. Sheets are random in amplitude, sideways
- * displacement, frequency, level, frame level and edge rates; rays in slope and side.
+/* Rays from one side of a displaced sheet to the other: each must hit it. Sheets are random in shape, level, frame
+ * level and edge rates; rays in slope and side.
  *
  * Complements leak_rays.h, whose rays start far inside, see convex walls and cross borders of few frames. */
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Pictures as PNG, and with hits as multi-channel EXR. Files appear either complete or not at all. */
+/* Pictures as PNG, and with hits as multi-channel EXR, by file_output.h. */
 
 #include "building/surface_hit.h"
 #include "pictures/image.h"

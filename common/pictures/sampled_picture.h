@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A shaded picture with several samples per pixel: a single sample makes fine displacement look like noise, because
- * it shows only one of a pixel's quads. */
+/* A shaded picture with several samples per pixel: with one, fine displacement looks like noise. */
 
 #include "building/traced_scene.h"
 #include "pictures/image.h"
@@ -25,7 +24,7 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* The part has the colors of the whole picture. */
+  /* Colors are those of the whole picture. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
   /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Canceled. */

@@ -24,7 +24,7 @@ public:
   /* `middle` is the unit direction through the middle of the picture. */
   HitShader(Vec3f middle, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Linear color of a hit. */
+  /* Linear. */
   Vec3f color(const Ray& ray, const SurfaceHit& hit) const;
 
 private:

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/* Path that two outputs must not share; empty for devices and pipes. */
+/* Empty for devices and pipes, which outputs may share. */
 std::string canonicalPath(const std::string& path)
 {
   std::error_code code;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* A closed all-quad cage from a smooth union of capsules: the surface of the voxels inside, projected onto the
- * union. It has many extraordinary vertices, of valence 3, 5 and 6, which is the purpose. */
+ * union. It has many extraordinary vertices, of valence 3, 5 and 6, on purpose. */
 
 #include "surface/cage.h"
 

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Similar to a Tyrannosaurus: a closed cage of about 7,000 quads with thousands of extraordinary vertices, teeth,
- * claws and eyes, and a skin of scales and wrinkles from a float EXR map of more than 4096 x 4096 texels.
+/* Similar to a Tyrannosaurus: a closed cage of about 7,000 quads with thousands of extraordinary vertices, and a skin
+ * of scales and wrinkles from a float EXR map of more than 4096 x 4096 texels.
  *
- * The map is generated, written and read like any other map, and reused if it was made for this cage. Heights depend
- * on the limit position only, so faces agree on common edges. */
+ * The map is generated, written, and read like any other map; it is reused if it was generated for this cage. Heights
+ * depend on the limit position only, so faces agree on common edges. */
 
 #include "surface/model.h"
 

@@ -21,8 +21,8 @@ struct Chart
   int height() const { return y1 - y0 + 1; }
 };
 
-/* Grows charts breadth first. A face is added if its cell is free and the chart uses every lattice point of the cell
- * for the same vertex or not yet. So charts do not overlap, and adjacent texels are adjacent on the surface. */
+/* Grows charts breadth first. A face is added if its cell is free, and each corner of the cell is unused or already the
+ * same vertex. So charts do not overlap, and adjacent texels are adjacent on the surface. */
 class Unfolding
 {
 public:

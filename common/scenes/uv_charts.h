@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Texture coordinates for a closed cage of quads: each face becomes a square of the map. Charts are as large as
- * possible while they stay compact. */
+/* Texture coordinates for a closed cage of quads: each face becomes a square of the map, and adjacent faces form
+ * charts. */
 
 #include "surface/cage.h"
 
@@ -22,9 +22,9 @@ struct ChartCell
 struct Charts
 {
   int width = 0, height = 0;     // of the map, in texels
-  int texels = 0;
+  int texels = 0;                // per side of a face
   std::vector<ChartCell> cells;
-  size_t count = 0;
+  size_t count = 0;              // of charts
 };
 
 /* `padding` is the width in texels of the space around each chart. */

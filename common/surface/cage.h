@@ -79,7 +79,7 @@ public:
   /* (u,v) are as Embree reports them. */
   const Patch& find(unsigned face, float u, float v) const;
 
-  /* Then (u,v) are in [0,1]. */
+  /* If true, (u,v) are in [0,1]. */
   bool isQuadFace(unsigned face) const { return size(face) == 4; }
 
   const std::vector<Patch>& patches() const { return all; }

@@ -47,7 +47,7 @@ public:
   /* Writes displacements in world units, along the cage's axes. `normals` are unit vectors. Thread-safe. */
   virtual void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const;
 
-  /* From corner `edge` to the next; infinity without a map. */
+  /* Number of texels from corner `edge` to the next; infinity without a map. */
   virtual float texelsAlong(unsigned face, unsigned edge) const;
 };
 
@@ -66,7 +66,7 @@ struct DisplacementMap
   std::string path;              // may contain <UDIM>, see udim_tiles.h
   float scale = 1.0f;            // world units per unit of the map's values
   MapValues values = MapValues::Heights;
-  std::optional<float> midLevel; // moves nothing; default: neutralHeight for heights, 0 for vectors
+  std::optional<float> midLevel; // value that moves nothing; default: neutralHeight for heights, 0 for vectors
   std::string channel;           // first one, by name or number from 0; empty: the file's first
   Vec2f repeat{1, 1};            // copies of the map per unit of texture coordinates, or per face
 };

@@ -26,7 +26,7 @@ public:
   };
   BorderPosition borderPosition(const FacePoint& p) const;
 
-  /* t = 0 is the corner. */
+  /* Inverse. */
   FacePoint point(unsigned face, unsigned edge, float t) const;
 
   struct Side

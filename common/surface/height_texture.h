@@ -25,8 +25,9 @@ struct TextureChannels
 class HeightTexture
 {
 public:
-  /* Opens files and checks that all texels are finite. Of a single file all images are used, of several files the first
-   * image each. Appends a line to `warnings` for each file with texels without a value. Throws Error with the path. */
+  /* Opens files and checks that all texels are finite. Uses all images of a single file, or the first image of each
+   * of several files. Appends a line to `warnings` for each file with texels without a value. Throws Error with the
+   * path. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();

@@ -20,7 +20,7 @@
 
 namespace cbvh {
 
-/* Derivatives are by (u,v) of a patch. */
+/* Position, and derivatives by (u,v) of a patch. */
 struct LimitSample
 {
   Vec3d p, du, dv, duu, duv, dvv;

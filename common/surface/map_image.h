@@ -5,7 +5,7 @@
 
 /* A map as the texture system expects it: images of floats that fill their display windows.
  *
- * OpenImageIO 2.4 reads the files. This class corrects what its readers or texture system do not handle:
+ * Corrects what OpenImageIO's readers or texture system (2.4) do not handle:
  * - Integers other than uint8 and uint16, and doubles, become floats, because the texture system asserts on them. As
  *   in OpenImageIO, unsigned integers become 0..1 and signed integers -1..1.
  * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
@@ -22,6 +22,7 @@
 
 namespace cbvh {
 
+/* Channels to read. */
 struct ChannelRange
 {
   int first = 0;

@@ -35,8 +35,7 @@ PatchWalk::PatchWalk(const Cage& cage, const std::function<bool(unsigned)>& hasS
 
 PatchPoint PatchWalk::advance(PatchPoint p, double du, double dv) const
 {
-  /* Near a corner a line may cross many borders; the rest of the step is dropped. More than the faces around a
-   * vertex. */
+  /* Exceeds the number of faces around a vertex. Near a corner a line may cross more borders: the rest is dropped. */
   constexpr int maxCrossings = 80;
   for (int i = 0; i < maxCrossings; i++)
   {

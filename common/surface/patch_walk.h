@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Moves points over borders of patches, and converts parameters. */
+
 #include "surface/face_borders.h"
 
 #include <functional>

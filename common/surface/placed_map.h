@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A map on the faces of a cage, as seen from one side of a border. */
+/* A map on the faces of a cage. At a seam, samples are those of the point's own face. */
 
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
@@ -29,6 +29,7 @@ public:
   /* Along the edge from corner `edge` to the next. */
   virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
 
+  /* True if faces may read different values at this point. */
   virtual bool isSeam(unsigned face, FaceBorders::BorderPosition at) const = 0;
 
   const FaceBorders& borders() const { return faceBorders; }

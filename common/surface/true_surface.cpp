@@ -9,8 +9,7 @@
 namespace cbvh {
 namespace {
 
-/* Step for finite differences in parameters: less than a texel in all scenes, and not smaller, because heights are
- * floats. */
+/* Step of finite differences in parameters: below a texel in all scenes, and large for the precision of floats. */
 constexpr double difference = 0x1p-12;
 
 /* Heights are read inside a patch, because displacements return the mean of the sides on the border. Exceeds the

@@ -17,7 +17,7 @@ namespace cbvh {
 
 bool isUdimPath(const std::string& path);
 
-/* Records inputs of the run, see basics/input_files.h. */
+/* Calls recordInputFile for each file. */
 void recordMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles

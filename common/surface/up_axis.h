@@ -25,9 +25,8 @@ struct UpGuess
   std::string reason; // for an axis other than y; completes "z is the up axis, because ..."
 };
 
-/* Returns y, or z given clear evidence: a comment at the beginning of the file, or a shape that is implausible as y
- * up. Files that are y up must never be turned, so doubtful cases are y. The cage must have a face and valid
- * indices. */
+/* Returns z only with clear evidence, a comment at the beginning of the file or a shape that is implausible as y up:
+ * files that are y up must never be rotated. The cage must have a face and valid indices. */
 UpGuess guessUp(const Cage& cage);
 
 /* Convert hints between an upward y axis and `up`, one of upAxes(). */

@@ -19,8 +19,8 @@ public:
   /* `fov` is the vertical field of view in degrees. */
   Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size);
 
-  /* The camera in the direction of the hints that shows all points, each a ball of radius `radius`, as large as
-   * possible with a narrow rim. */
+  /* Returns the camera in the direction of the hints in which all points, balls of radius `radius`, fill the picture
+   * up to a narrow margin. */
   static Camera fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size);
 
   /* Unit direction; integers are centers of pixels. */

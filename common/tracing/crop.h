@@ -3,15 +3,13 @@
 
 #pragma once
 
-/* A part of a picture, rendered exactly as in the whole picture. */
-
 #include "tracing/image_size.h"
 
 #include <cstddef>
 
 namespace cbvh {
 
-/* Columns x0 to x1 - 1 and rows y0 to y1 - 1; (0,0) is the upper left pixel. */
+/* Part of a picture: columns x0 to x1 - 1 and rows y0 to y1 - 1; (0,0) is the upper left pixel. */
 struct Crop
 {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;

@@ -11,7 +11,7 @@
 
 namespace cbvh {
 
-/* Acts during its lifetime, on the thread that constructs it. */
+/* Sets the mode of the thread that constructs it, until destruction. */
 class DenormalMode
 {
 public:
@@ -41,7 +41,7 @@ private:
   const Control saved;
 };
 
-/* As Embree's manual asks for tracing. */
+/* Embree's manual recommends this for tracing. */
 struct FlushDenormals : DenormalMode
 {
   FlushDenormals() : DenormalMode(true) {}

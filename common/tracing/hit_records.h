@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hits exactly as Embree reports them. */
+/* Hits as Embree reports them, to compare two libraries. */
 
 #include "building/traced_scene.h"
 #include "tracing/trace_timing.h"

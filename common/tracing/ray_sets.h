@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* All representations trace the same rays, made once from GRID's hits. */
+/* Rays for all representations, generated once from GRID's hits. */
 
 #include "building/surface_hit.h"
 #include "tracing/camera.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Loops that trace rays with every query of Embree's API. A sink receives the hits and is compiled into the loop: it
- * counts hits when time is measured, and keeps them for comparisons. A sink has these members:
+/* Loops that trace rays with every query of Embree's API. A sink receives the hits, to count or to store them, and is
+ * compiled into the loop. Its members:
  *
  *   void closest(size_t i, const RTCRayHit& ray);                    // the closest hit of ray i
  *   void closest(size_t i, const RTCRayHitN& packet, size_t lane);
