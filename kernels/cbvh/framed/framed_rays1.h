@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/leaf_intersectors1.h replaces
- * it in libraries without the paper's representations. */
+/* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/leaf_intersectors1.h
+ * replaces it in libraries without the paper's representations. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"

@@ -102,8 +102,8 @@ namespace embree
           }
         };
 
-        /*! Intersects the block with the rays of a mask, which have the same class. rayClass: see VertRays; bit 5 is set
-         *  if the direction along the sheared axis is negative. */
+        /*! Intersects the block with the rays of a mask, which have the same class. rayClass: see VertRays; bit 5 is
+         *  set if the direction along the sheared axis is negative. */
         void intersectTogether (uint32_t mask, uint32_t rayClass)
         {
           vbool<K> lanes = vbool<K>(int(mask));

@@ -473,8 +473,8 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of group g. owns: mask of those that belong to the group. others: numbers, in the block,
-         *  of those that belong to other groups. */
+        /*! Decodes the vertices of group g. owns: mask of those that belong to the group. others: numbers, in the
+         *  block, of those that belong to other groups. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
                                            BitReader others, MeshVertices& out) const
         {
