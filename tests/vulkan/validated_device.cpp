@@ -312,13 +312,18 @@ void useCacheFolderOfTests() { setenv("XDG_CACHE_HOME", CACHE_FOLDER, 1); }
 
 // --- fixture ---------------------------------------------------------------------------------
 
+void VulkanDevices::openAll()
+{
+  vulkan = std::make_unique<ValidatedDevice>();
+  device = open(vulkan->handles);
+  ASSERT_TRUE(device) << embree.message;
+}
+
 void VulkanTest::SetUp()
 {
   useCacheFolderOfTests();
   if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
-  vulkan = std::make_unique<ValidatedDevice>();
-  device = open(vulkan->handles);
-  ASSERT_TRUE(device) << embree.message;
+  openAll();
 }
 
 void VulkanTest::TearDown()
@@ -328,23 +333,16 @@ void VulkanTest::TearDown()
   EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
 }
 
-std::unique_ptr<SharedVulkanTest::Devices> SharedVulkanTest::shared;
+std::unique_ptr<VulkanDevices> SharedVulkanTest::shared;
 
 void SharedVulkanTest::SetUpTestSuite()
 {
   useCacheFolderOfTests();
-  shared = std::make_unique<Devices>();
-  if (!ValidatedDevice::missing().empty()) return;
-  shared->vulkan = std::make_unique<ValidatedDevice>();
-  shared->device.reset(rtcNewVulkanDeviceFromHandles(shared->embree, &shared->vulkan->handles));
-  ASSERT_TRUE(shared->device) << shared->embree.message;
+  shared = std::make_unique<VulkanDevices>();
+  if (ValidatedDevice::missing().empty()) shared->openAll();
 }
 
-void SharedVulkanTest::TearDownTestSuite()
-{
-  shared->device.reset();
-  shared.reset();
-}
+void SharedVulkanTest::TearDownTestSuite() { shared.reset(); }
 
 void SharedVulkanTest::skipProgram(const std::string& reason)
 {

@@ -132,36 +132,37 @@ inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTC
 
 // --- fixture ---------------------------------------------------------------------------------
 
-// An Embree device, and a Vulkan device that the library uses. Skips the test if there is none.
-class VulkanTest : public testing::Test
+// An Embree device, and a Vulkan device that the library uses.
+struct VulkanDevices
 {
-protected:
-  void SetUp() override;
-  void TearDown() override;
+  // Opens both. Fails the test if this fails.
+  void openAll();
 
-  // Opens another library device on the same VkDevice.
+  // Opens another library device on a VkDevice.
   VulkanDevice open(const RTCVulkanHandles& handles)
   {
     return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
   }
 
-  // Errors that the test does not retrieve fail the test.
   Device embree;
   std::unique_ptr<ValidatedDevice> vulkan;
   VulkanDevice device;
 };
 
+// Opens devices for each test. Skips the test if there is none. Errors that the test does not retrieve fail the test.
+class VulkanTest : public testing::Test, protected VulkanDevices
+{
+protected:
+  void SetUp() override;
+  void TearDown() override;
+};
+
 /* As VulkanTest, but all tests of the suite share the devices, because compiling the shaders takes longer than most
- * tests. Each test checks the validation layer's messages; the last one also checks those of the devices' end. */
+ * tests. Messages of the validation layer fail the test that causes them; messages about objects that still exist when
+ * the devices are destroyed fail the suite. */
 class SharedVulkanTest : public testing::Test
 {
-  struct Devices
-  {
-    Device embree;
-    std::unique_ptr<ValidatedDevice> vulkan;
-    VulkanDevice device;
-  };
-  static std::unique_ptr<Devices> shared;
+  static std::unique_ptr<VulkanDevices> shared;
 
 protected:
   static void SetUpTestSuite();
@@ -172,10 +173,7 @@ protected:
   // Skips the test. Use it if the reason skips all tests of the program: ctest recognizes the message.
   static void skipProgram(const std::string& reason);
 
-  VulkanDevice open(const RTCVulkanHandles& handles)
-  {
-    return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
-  }
+  VulkanDevice open(const RTCVulkanHandles& handles) { return shared->open(handles); }
 
   Device& embree = shared->embree;
   const std::unique_ptr<ValidatedDevice>& vulkan = shared->vulkan;
