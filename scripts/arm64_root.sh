@@ -21,11 +21,12 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 apt=$folder/apt
 
-. scripts/arm64_apt.sh
+. scripts/private_apt.sh
 
 download() {
   # shellcheck disable=SC2086
-  arm64_update && arm64_apt apt-get install -y --download-only --no-install-recommends $packages
+  private_apt_update arm64 '$(RELEASE)' 'Component: main' &&
+    private_apt apt-get install -y --download-only --no-install-recommends $packages
 }
 download >&2 || { echo "arm64_root.sh: the packages could not be downloaded" >&2; exit 1; }
 

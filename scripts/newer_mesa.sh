@@ -22,24 +22,14 @@ driver=$folder/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libvulkan_lvp.
 icd=$folder/lvp.json
 package=mesa-vulkan-drivers
 
-# Runs apt with its own lists: the machine's registry and its backports.
-run() {
-  "$@" -o Dir::Etc::SourceList="$folder/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
-    -o Dir::State="$folder/apt/state" -o Dir::State::status=/var/lib/dpkg/status -o Dir::Cache="$folder/apt/cache" \
-    -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none -o Acquire::Retries=2 \
-    -o Acquire::http::Timeout=20 -o Acquire::https::Timeout=20
-}
+apt=$folder/apt
+. scripts/private_apt.sh
 
 download() {
-  mkdir -p "$folder/apt/state/lists/partial" "$folder/apt/cache/archives/partial"
   release=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  keys=/usr/share/keyrings/debian-archive-keyring.gpg
-  [ -e "$keys" ] && options="[signed-by=$keys] " || options=
-  apt-get indextargets --format "deb $options"'$(REPO_URI) '"$release-backports"' $(COMPONENT)' \
-    'Created-By: Packages' 'Origin: Debian' 'Component: main' "Release: $release" | sort -u > "$folder/apt/sources.list"
-  [ -s "$folder/apt/sources.list" ] || { echo "no apt source of Debian's main component" >&2; return 1; }
-  run apt-get -q update && (cd "$folder/apt" && run apt-get -q download "$package/$release-backports") || return
-  dpkg -x "$folder"/apt/"$package"_*.deb "$folder" && rm -rf "$folder/apt"
+  private_apt_update "$(dpkg --print-architecture)" "$release-backports" "Release: $release" &&
+    (cd "$apt" && private_apt apt-get download "$package/$release-backports") || return
+  dpkg -x "$apt/$package"_*.deb "$folder" && rm -rf "$apt"
 }
 
 if [ ! -e "$driver" ]; then

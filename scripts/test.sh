@@ -6,8 +6,8 @@
 #
 #   scripts/test.sh [--all-isas] [CTEST-OPTION...]    for example -R Abi, or -L quick
 #
-# Builds for SSE2 and the best instruction set of this machine, into build/host. With --all-isas, which must come first,
-# builds for every instruction set, into build/release.
+# Builds for SSE2 and the best instruction set of this machine, into build/host, and fuzzes for a few seconds. With
+# --all-isas, which must come first, builds for every instruction set, into build/release, and fuzzes for longer.
 #
 # On Debian 12 the Vulkan tests use lavapipe from the backports, which supports ray queries. To use another driver,
 # set VK_DRIVER_FILES to its description: scripts/test.sh -L gpu

@@ -17,6 +17,7 @@ mkdir -p "$1"
 work=$(cd -- "$1" && pwd)
 jobs=${2:-$(nproc)}
 prefix=$work/prefix
+. "$here/../private_apt.sh"
 
 # unpack PACKAGE VERSION SUITE SHA256: downloads the source package, and unpacks it to PACKAGE. Debian 12's own
 # openimageio is older.
@@ -59,26 +60,15 @@ unpack_headers() {
   [ ! -e "$work/$suite" ] || return 0
   apt=$work/apt
   rm -rf "$apt" "$work/$suite.part"
-  mkdir -p "$apt/state/lists/partial" "$apt/cache/archives/partial"
-  keys=/usr/share/keyrings/debian-archive-keyring.gpg
-  [ -e "$keys" ] && options="[signed-by=$keys] " || options=
-  apt-get indextargets --format "deb $options"'$(REPO_URI) '"$suite"' $(COMPONENT)' \
-    'Created-By: Packages' 'Origin: Debian' 'Component: main' 'Codename: bookworm' | sort -u > "$apt/sources.list"
-  [ -s "$apt/sources.list" ] ||
-    { echo "apt has no index of Debian's main component: run apt-get update" >&2; return 1; }
   echo "downloading $*"
-  (cd "$apt" && run_apt update && run_apt download "$@") > "$work/log" 2>&1 ||
+  { private_apt_update "$(dpkg --print-architecture)" "$suite" 'Codename: bookworm' &&
+    (cd "$apt" && private_apt apt-get download "$@"); } > "$work/log" 2>&1 ||
     { tail -n 5 "$work/log" >&2; return 1; }
   for file in "$apt"/*.deb; do
     dpkg -x "$file" "$work/$suite.part"
   done
   mv "$work/$suite.part" "$work/$suite"
   rm -rf "$apt"
-}
-run_apt() {
-  apt-get -q -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
-    -o Dir::State="$apt/state" -o Dir::State::status=/dev/null -o Dir::Cache="$apt/cache" \
-    -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none -o Acquire::Retries=2 "$@"
 }
 
 # A module for another version of CPython requires only its headers. Debian 12's pybind11 supports neither NumPy 2 nor

@@ -35,9 +35,11 @@ echo "$(wc -l < "$work/elf") programs and libraries are for ARM64"
 # --- dependencies -----------------------------------------------------------------------------------
 
 apt=$work/apt
-. scripts/arm64_apt.sh
-{ arm64_update && arm64_apt apt-get install -y --simulate --no-install-recommends "$packages"/*.deb; } \
-  > "$work/log" 2>&1 ||
+. scripts/private_apt.sh
+{
+  private_apt_update arm64 '$(RELEASE)' 'Component: main' &&
+    private_apt apt-get install -y --simulate --no-install-recommends "$packages"/*.deb
+} > "$work/log" 2>&1 ||
   { tail -n 30 "$work/log"; fail "apt does not install the packages"; }
 ! grep -E '^Inst (libembree3-3|libembree-dev|embree-tools) ' "$work/log" || fail "a package of Debian that ours replace"
 echo "apt installs the packages and $(($(grep -c '^Inst' "$work/log") - $(ls "$packages"/*.deb | wc -l))) of Debian's"
