@@ -24,7 +24,7 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Colors are those of the whole picture. */
+  /* A pixel of the part has the same color as in the whole picture. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
   /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Canceled. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A map on the faces of a cage. At a seam, samples are those of the point's own face. */
+/* A map on the faces of a cage. At a seam, each face samples its own side of the map. */
 
 #include "surface/displacement.h"
 #include "surface/face_borders.h"

@@ -13,9 +13,9 @@ using namespace embree::beside;
 
 namespace {
 
-thread_local std::string errorText;       // text of cbvhGetErrorText
+thread_local std::string errorText;                // text of cbvhGetErrorText
 thread_local Failure pendingError = {CBVH_OK, ""}; // error of Embree that no function has returned yet
-thread_local bool collectsErrors = false;             // this thread is in a function that returns such errors
+thread_local bool collectsErrors = false;          // this thread is in a function that returns such errors
 
 CbvhError codeOf(RTCError code)
 {

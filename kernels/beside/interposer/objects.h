@@ -4,8 +4,8 @@
 #pragma once
 
 /* The application's scenes and geometries. A substitute must exist while a scene contains its geometry, but Embree does
- * not report when that ends. References are therefore counted as Embree does: those of the application, of scenes to
- * geometries, and of instances to scenes. */
+ * not report when a scene releases the geometry. This file therefore counts references as Embree does: references of
+ * the application, of scenes to geometries, and of instances to scenes. */
 
 #include "geometry.h"
 

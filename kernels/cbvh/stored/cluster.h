@@ -46,7 +46,7 @@ namespace embree
       const uint32_t* triangles;
       /*! Number of triangles in all previous clusters; the first primitive index of a DGF block. */
       uint32_t firstTriangle;
-      /*! Size in vertices if the cluster is a whole grid, stored row by row: those of the same size have the same
+      /*! Size in vertices if the cluster is a whole grid, stored row by row. Grids of the same size have the same
        *  indices. Otherwise, and for DGF, 0. */
       uint32_t width, height;
       const StoredPart* part;

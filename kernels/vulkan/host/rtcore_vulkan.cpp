@@ -20,7 +20,8 @@
 using namespace embree::vulkan;
 namespace core = embree::core;
 
-void embree::core::throwInvalidArgument(const std::string& text) {
+void embree::core::throwInvalidArgument(const std::string& text)
+{
   throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text);
 }
 
@@ -74,7 +75,7 @@ public:
     std::memcpy(&own, info, sizeof(own));
     if (own != size)
       core::throwInvalidArgument("RTCVulkanDeviceInfo: invalid structSize " + std::to_string(own) + " of infos["
-                            + std::to_string(i) + "]: expected " + std::to_string(size) + ", as infos[0] has it");
+                                 + std::to_string(i) + "]: expected " + std::to_string(size) + ", as infos[0] has it");
     return (RTCVulkanDeviceInfo*)info;
   }
 
@@ -201,8 +202,7 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from,
   guarded(embreeOf(device), [&]() {
     require(device, "device");
     require(from, "scene");
-    const RTCVulkanSceneArguments args
-      = arguments ? core::readStruct(arguments) : RTCVulkanSceneArguments();
+    const RTCVulkanSceneArguments args = arguments ? core::readStruct(arguments) : RTCVulkanSceneArguments();
     int memory, traversal; // copied as integers: reading an invalid value as an enum is undefined behavior
     std::memcpy(&memory, &args.memory, sizeof(memory));
     std::memcpy(&traversal, &args.traversal, sizeof(traversal));
