@@ -56,7 +56,7 @@ namespace embree
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
 
-      bool boundsError () const {
+      bool maxErrorSetsFrameLevel () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;
       }
