@@ -106,7 +106,7 @@ namespace embree
       }
 
       /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
-       *  their vertices, which often are near each other if consecutive. */
+       *  their vertices, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
