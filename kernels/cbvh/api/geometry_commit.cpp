@@ -316,7 +316,7 @@ namespace embree
 
   void* requireBuffer (Geometry* geometry, void* data)
   {
-    const CompressibleGeometry* const own = compressible(geometry);
+    const CompressibleGeometry* const own = asCompressible(geometry);
     if (!data && own && own->surface.inputReleased) throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
     return data;
   }

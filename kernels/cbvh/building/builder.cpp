@@ -58,7 +58,7 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> buildsInTree; //!< SurfaceBlocks::build of each surface in the tree; empty without a tree
+      std::vector<uint64_t> buildsInTree; //!< SurfaceBlocks::buildID of each surface in the tree; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -133,11 +133,11 @@ namespace embree
         return surfaces;
       }
 
-      /*! Returns SurfaceBlocks::build of each surface, or 0 if its blocks must be built. */
+      /*! Returns SurfaceBlocks::buildID of each surface, or 0 if its blocks must be built. */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
-        for (const Surface& surface : surfaces) builds.push_back(surface.blocks ? surface.blocks->build : 0);
+        for (const Surface& surface : surfaces) builds.push_back(surface.blocks ? surface.blocks->buildID : 0);
         return builds;
       }
 
@@ -196,7 +196,7 @@ namespace embree
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
-        if (isNew && std::find(before.begin(),before.end(),surface.blocks->build) == before.end())
+        if (isNew && std::find(before.begin(),before.end(),surface.blocks->buildID) == before.end())
           report->errors.push_back(describeInvalid(surface));
       }
 
@@ -256,7 +256,7 @@ namespace embree
         }
         for (size_t i=0; i<scene->size(); i++) {
           const CompressibleGeometry* const geometry = scene->get(i)
-            && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
+            && scene->get(i)->isEnabled() ? asCompressible(scene->get(i)) : nullptr;
           if (geometry && !geometry->isCompressed()
             && geometry->surface.rejectionReason) line.addUncompressed(geometry);
         }

@@ -29,7 +29,7 @@ namespace embree
       static const bool isDeterministic = false; //!< displacement functions may return other values each time
 
       CageSource (SubdivMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.boundsError() ? mesh->size() : 0) {}
+        : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.maxErrorSetsFrameLevel() ? mesh->size() : 0) {}
 
       size_t size () const { return mesh->size(); }
 
@@ -58,7 +58,7 @@ namespace embree
           borders.reset(new CageBorders(mesh,plan));
           borders->build(perTask,[&] { progress(0.0); });
         }
-        if (plan.boundsError()) chooseFrameLevels(perTask,progress);
+        if (plan.maxErrorSetsFrameLevel()) chooseFrameLevels(perTask,progress);
       }
 
       void release () { borders.reset(); }
@@ -135,7 +135,8 @@ namespace embree
       }
 
       PatchTiling tilingOf (size_t f, const float rate[4]) const {
-        return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
+        return isa::tilingOf(plan.kind(),rate,
+          plan.maxErrorSetsFrameLevel() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
       /*! Chooses the lowest frame level per face that keeps max_error, by encoding its blocks on trial, once per

@@ -55,7 +55,7 @@ namespace embree
 
     void setCompression (Geometry* geometry, const CompressionSettings& settings)
     {
-      CompressibleGeometry* const surface = compressible(geometry);
+      CompressibleGeometry* const surface = asCompressible(geometry);
       if (!surface)
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,
             "only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or "
@@ -68,13 +68,13 @@ namespace embree
 
     bool hasBlocks (Geometry* geometry)
     {
-      const CompressibleGeometry* const surface = compressible(geometry);
+      const CompressibleGeometry* const surface = asCompressible(geometry);
       return surface && surface->surface.blocks;
     }
 
     const char* reasonNotCompressed (Geometry* geometry)
     {
-      const CompressibleGeometry* const surface = compressible(geometry);
+      const CompressibleGeometry* const surface = asCompressible(geometry);
       return surface && surface->surface.rejectionReason && *surface->surface.rejectionReason
         ? surface->surface.rejectionReason : nullptr;
     }

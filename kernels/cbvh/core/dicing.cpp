@@ -139,7 +139,7 @@ namespace embree
 
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera)
     {
-      const CompressibleGeometry* const surface = compressible(geometry);
+      const CompressibleGeometry* const surface = asCompressible(geometry);
       if (!surface || surface->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
           "only subdivision surfaces can be diced");
       requireEditable(geometry);

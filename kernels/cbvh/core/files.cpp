@@ -32,7 +32,7 @@ namespace embree
         std::shared_ptr<const SurfaceBlocks> blocks;
 
         /*! Throws RTC_ERROR_INVALID_OPERATION if the geometry has no blocks, or changed since they were built. */
-        explicit SavableGeometry (Geometry* saved) : geometry(compressible(saved))
+        explicit SavableGeometry (Geometry* saved) : geometry(asCompressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
           /* scenes with compressed surfaces also build blocks for surfaces that request none */

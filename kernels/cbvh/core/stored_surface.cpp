@@ -24,7 +24,7 @@ namespace embree
         const std::shared_ptr<const SurfaceBlocks> blocks;
 
         explicit HeldBlocks (Geometry* held)
-          : geometry(held), blocks(compressible(held) ? cbvh::blocksOf(compressible(held)) : nullptr) {
+          : geometry(held), blocks(asCompressible(held) ? cbvh::blocksOf(asCompressible(held)) : nullptr) {
           if (!blocks) throwNotCompressed();
         }
       };

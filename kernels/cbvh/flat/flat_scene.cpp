@@ -196,7 +196,7 @@ namespace embree
         case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED: {
           const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
           out.type = FLAT_SURFACE;
-          out.build = blocks ? blocks->build : 0;
+          out.build = blocks ? blocks->buildID : 0;
           break;
         }
         case Geometry::GTY_TRIANGLE_MESH: {

@@ -62,7 +62,7 @@ namespace embree
       uint32_t timeSteps;
       bool isSupported;          //!< static, compressed, or an instance without quaternions
       bool hasFilter;
-      uint64_t build;            //!< SurfaceBlocks::build: identifies blocks that scenes share; 0 for other types
+      uint64_t build;            //!< SurfaceBlocks::buildID: identifies blocks that scenes share; 0 for other types
       /* for FLAT_TRIANGLES: buffers of the application; strides in bytes */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each

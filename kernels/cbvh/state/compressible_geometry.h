@@ -102,7 +102,7 @@ namespace embree
   };
 
   /*! Returns null for types that cannot be compressed. */
-  inline CompressibleGeometry* compressible (Geometry* geometry)
+  inline CompressibleGeometry* asCompressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
     case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case Geometry::GTY_QUAD_MESH:
@@ -117,7 +117,7 @@ namespace embree
   inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
-    CompressibleGeometry* const surface = compressible(geometry);
+    CompressibleGeometry* const surface = asCompressible(geometry);
     return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH))
       ? surface : nullptr;
   }

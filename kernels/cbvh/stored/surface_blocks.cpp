@@ -143,7 +143,7 @@ namespace embree
   static std::atomic<uint64_t> numBuilds(0);
 
   SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-    : number(number), build(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode),
+    : number(number), buildID(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode),
       bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
 
   SurfaceBlocks::~SurfaceBlocks () { delete blockIndex.load(); }

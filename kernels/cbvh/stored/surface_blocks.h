@@ -27,7 +27,7 @@ namespace embree
     ~SurfaceBlocks ();
 
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< number stored in the blocks
-    const uint64_t build;                              //!< unique in the process, from 1
+    const uint64_t buildID;                            //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
     /*! Bounds and BVH4::NodeRefs of the parts over which scenes build their trees: blocks, or subtrees of a few

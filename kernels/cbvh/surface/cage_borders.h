@@ -239,7 +239,7 @@ namespace embree
         side.begin = corner(h,step);
         side.end = corner(h->next(),step);
         side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner),step);
-        side.reversed = edge.owner != topology.indexOf(h)
+        side.isReversed = edge.owner != topology.indexOf(h)
           && topology.halfEdge(edge.owner)->getStartVertexIndex() != h->getStartVertexIndex();
         side.exponent = lattices.ofShared(edgeElement(edge),step);
         side.rate = edge.rate;
@@ -258,7 +258,7 @@ namespace embree
         side.begin = fromCenter ? center : middle;
         side.end = fromCenter ? middle : center;
         side.interior = (const float(*)[3])point(firstSpokePoint(topology.indexOf(h)),step);
-        side.reversed = fromCenter;
+        side.isReversed = fromCenter;
         side.rate = topology.at(h).ownRate/2;
         return side;
       }

@@ -15,7 +15,7 @@ namespace embree
     {
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction; owned by CageBorders
-      bool reversed;              //!< the side runs against the owner's direction
+      bool isReversed;            //!< the side runs against the owner's direction
       int exponent;               //!< the spacing of the interior's lattice is 2^exponent
       unsigned rate;              //!< quads along the side
 
@@ -24,7 +24,7 @@ namespace embree
       {
         if (k == 0) return begin;
         if (k == rate) return end;
-        return SharedVertex(interior[(reversed ? rate-k : k) - 1],exponent);
+        return SharedVertex(interior[(isReversed ? rate-k : k) - 1],exponent);
       }
 
       /*! Returns the first (0) or second (1) half of an n-gon's edge, counted around the face. Embree gives such an
@@ -35,7 +35,7 @@ namespace embree
         CageSide side = *this;
         const unsigned middle = rate/2, rest = rate-middle;
         (which == 0 ? side.end : side.begin) = (*this)[middle];
-        if ((which == 1) != reversed) side.interior += which == 1 ? middle : rest;
+        if ((which == 1) != isReversed) side.interior += which == 1 ? middle : rest;
         side.rate = which == 1 ? rest : max(middle,1u);
         return side;
       }

@@ -17,8 +17,8 @@ namespace embree
     /*! Spacing, as a fraction of an edge, at which the first quads flip. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge: of
-     *  the lattice, and median of a primitive, as means over a geometry's primitives. */
+    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge: the
+     *  lattice's spacing and the median edge, averaged over a geometry's primitives. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

@@ -26,7 +26,7 @@ namespace embree
       {
         setSize(part);
         const float* rate = patch.level;
-        stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
+        isStitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // allows full-width stores
         arrays.reserve(8*stride+16); // 16 floats for alignment, see array(); resize alone would grow to a power of two
         arrays.resize(8*stride+16);
@@ -69,7 +69,7 @@ namespace embree
         gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),
           unsigned(height),u,v);
         for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
-        if (stitched) stitchParameters(patch.level,range,u,v);
+        if (isStitched) stitchParameters(patch.level,range,u,v);
         for (size_t i=0; i<count; i+=VSIZEX)
         {
           const vfloatx uu = vfloatx::load(u+i), vv = vfloatx::load(v+i);
@@ -105,7 +105,7 @@ namespace embree
                           float* N[3], float* u, float* v)
       {
         const bool normals = mesh->displFunc;
-        const float* rate = stitched ? patch.level : nullptr;
+        const float* rate = isStitched ? patch.level : nullptr;
         const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1,
           y0 = range.part.y0, y1 = range.part.y1;
         float *Nx = normals ? N[0] : nullptr, *Ny = normals ? N[1] : nullptr, *Nz = normals ? N[2] : nullptr;
@@ -140,7 +140,7 @@ namespace embree
 
       mvector<float> arrays;      //!< arrays of P, N, u and v
       size_t stride = 0;
-      bool stitched = false;      //!< an edge has a lower rate than the patch
+      bool isStitched = false;      //!< an edge has a lower rate than the patch
     };
 
     /*! Rows and columns of a patch, evaluated on request, or copied from the whole patch, evaluated once. */

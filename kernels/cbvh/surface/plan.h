@@ -30,8 +30,8 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! True if moving geometry is compressed if it requests compression. As it becomes cVERT, a request for another
-       *  kind counts only if fallback faces are allowed. */
+      /*! True if a moving geometry that requests compression is compressed: as cVERT, so a request for another kind
+       *  counts only if fallback faces are allowed. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
@@ -56,7 +56,7 @@ namespace embree
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
 
-      bool boundsError () const {
+      bool maxErrorSetsFrameLevel () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;
       }

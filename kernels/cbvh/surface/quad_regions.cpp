@@ -182,7 +182,7 @@ namespace embree
       size_t remainingSteps = 0;            //!< steps that seeds may still move
       unsigned pass = 0;
       bool marksAll = false;                //!< also marks quads of regions that are too small
-      std::vector<unsigned> corners, edges; //!< seeds that arise while regions are taken
+      std::vector<unsigned> corners, edges; //!< seeds that arise while regions are added
       unsigned region[maxSide*maxSide];     //!< quads of the growing region
       unsigned width = 0, height = 0;
     };

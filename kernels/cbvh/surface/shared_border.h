@@ -84,10 +84,10 @@ namespace embree
           const SharedVertex v = side[s < 2 ? c : side.rate-c];
           const size_t vertex = alongU ? (at-part.y0)*width + (i-part.x0) : (i-part.y0)*width + (at-part.x0);
           const cbvh::WorldLattice common(v.exponent);
-          const float* mine = own[vertex];
-          const float* position = cbvh::isFinite(v.position) && cbvh::isFinite(mine) ? v.position : mine;
+          const float* evaluated = own[vertex];
+          const float* position = cbvh::isFinite(v.position) && cbvh::isFinite(evaluated) ? v.position : evaluated;
           const float snapped[3] = { common.snap(position[0]),common.snap(position[1]),common.snap(position[2]) };
-          statistics.addBorderVertex(mine,position,snapped);
+          statistics.addBorderVertex(evaluated,position,snapped);
           memcpy(stored[vertex],snapped,sizeof(snapped));
         }
       }

@@ -51,11 +51,11 @@ namespace embree
       };
 
       /*! Half-edge in the list of its lower vertex. */
-      struct Half
+      struct SortedHalfEdge
       {
-        unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
+        unsigned key; //!< twice the higher vertex, plus 1 if the half-edge begins there
         unsigned half;
-        bool operator< (const Half& h) const { return other < h.other; }
+        bool operator< (const SortedHalfEdge& other) const { return key < other.key; }
       };
 
       /*! Edges (0 to 2) at which first triangles, and second triangles, of all pairs are joined. */
@@ -106,7 +106,7 @@ namespace embree
       }
 
       /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
-       *  their vertices, which often are near each other if consecutive. */
+       *  their vertices, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -150,7 +150,7 @@ namespace embree
         for (unsigned& count : counts) count = sum += count;
       }
 
-      /*! Calls closure(lower vertex, Half) for edges whose vertices differ. */
+      /*! Calls closure(lower vertex, SortedHalfEdge) for edges whose vertices differ. */
       template<typename Closure>
       void forEachHalf (size_t triangle, const Closure& closure) const
       {
@@ -158,7 +158,7 @@ namespace embree
         if (!isValid(t)) return;
         for (unsigned e=0; e<3; e++) {
           const unsigned a = t.v[e], b = t.v[e == 2 ? 0 : e+1];
-          if (a != b) closure(min(a,b),Half{ 2*max(a,b) + (a > b),unsigned(3*triangle) + e });
+          if (a != b) closure(min(a,b),SortedHalfEdge{ 2*max(a,b) + (a > b),unsigned(3*triangle) + e });
         }
       }
 
@@ -168,13 +168,13 @@ namespace embree
         fill(ends,numVertices+1,0u);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
-              forEachHalf(t,[&](unsigned v, const Half&) { increment(ends[v]); });
+              forEachHalf(t,[&](unsigned v, const SortedHalfEdge&) { increment(ends[v]); });
           });
         prefixSums(ends);
         cbvh::resizeToFit(halves,ends[numVertices]);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
-              forEachHalf(t,[&](unsigned v, const Half& half) {
+              forEachHalf(t,[&](unsigned v, const SortedHalfEdge& half) {
                   halves[decrement(ends[v])] = half;
                 });
           });
@@ -186,15 +186,15 @@ namespace embree
 
       /*! Finds the opposites among the half-edges of a vertex: of edges with exactly two half-edges, of different
        *  directions. */
-      void join (Half* begin, Half* end)
+      void join (SortedHalfEdge* begin, SortedHalfEdge* end)
       {
         if (end-begin > 16) std::sort(begin,end);
         else // insertion sort: most vertices have six
-          for (Half* i=begin; i<end; i++)
-            for (Half* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
-        for (Half* i=begin, * j; i!=end; i=j) {
-          for (j=i+1; j!=end && j->other/2 == i->other/2; j++) {}
-          if (j != i+2 || i[0].other == i[1].other) continue;
+          for (SortedHalfEdge* i=begin; i<end; i++)
+            for (SortedHalfEdge* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
+        for (SortedHalfEdge* i=begin, * j; i!=end; i=j) {
+          for (j=i+1; j!=end && j->key/2 == i->key/2; j++) {}
+          if (j != i+2 || i[0].key == i[1].key) continue;
           opposite[i[0].half] = i[1].half;
           opposite[i[1].half] = i[0].half;
         }
@@ -347,7 +347,7 @@ namespace embree
       const size_t size, numVertices;
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and partners are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< counting sort: end, later begin, of each vertex's range
-      cbvh::UnmonitoredVector<Half> halves;        //!< by lower vertex
+      cbvh::UnmonitoredVector<SortedHalfEdge> halves; //!< by lower vertex
       cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> partners;  //!< second triangle of a first one, `second`, or none
     };

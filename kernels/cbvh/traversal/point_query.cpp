@@ -116,7 +116,7 @@ namespace embree
           const uint32_t geomID =
             context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);
-          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
+          if (asCompressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
           context->geomID = geomID;
           if (isMesh) return callTriangles(geometry,(const MeshHeader*)block);
           if (!embree::cbvh::VerticesAtTime::isPresent(header,time())) return false;
