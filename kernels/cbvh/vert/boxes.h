@@ -117,7 +117,7 @@ namespace embree
         {
           const float* origin;
           VertSpacing spacing;
-          uint32_t step, reach; //!< bounds, and their unit (reachStep)
+          uint32_t reach, reachUnit; //!< bounds, and their unit (reachStep)
         };
         End ends[2];
         uint32_t form;
@@ -165,17 +165,17 @@ namespace embree
         }
 
       private:
-        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step,
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t reachUnit,
                                        uint32_t reach)
         {
           end.origin = origin;
           end.spacing = spacing;
-          end.step = step;
+          end.reachUnit = reachUnit;
           end.reach = reach;
         }
 
         __forceinline BlockReach reachOf (const End& end) const {
-          return reachOfBlock(form,end.reach,end.step,end.spacing);
+          return reachOfBlock(form,end.reach,end.reachUnit,end.spacing);
         }
       };
     }

@@ -36,8 +36,8 @@ namespace embree
       class CachedMeshBlock
       {
       public:
-        template<typename VertRay>
-        __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
+        template<typename RayOrRays>
+        __forceinline CachedMeshBlock (const RayOrRays&, const VertHeader* block)
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
             halves(cache.halves(block)) {}
 

@@ -67,7 +67,7 @@ namespace embree
         __noinline bool report (size_t k, uint32_t g, const Triangles& triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,
+          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.ray(k),vertRays.nearest(k),block,
             cached).report(g,triangles);
         }
 

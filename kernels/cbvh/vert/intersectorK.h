@@ -166,7 +166,7 @@ namespace embree
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              const GroupTriangles triangles(vertRays.at(k),cached.vertices(g));
+              const GroupTriangles triangles(vertRays.ray(k),cached.vertices(g));
               if (triangles.mask && hits.report(k,g,triangles)) accepted |= 1u << k;
             }
             return accepted;

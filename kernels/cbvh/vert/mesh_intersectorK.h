@@ -38,8 +38,8 @@ namespace embree
                                                 VertRays<K>& vertRays, const VertHeader* block,
                                                 const CachedMeshBlock& cached)
         {
-          // at() leaves the members for box tests unset
-          VertRay ray = vertRays.at(k);
+          // ray() leaves the members for box tests unset
+          VertRay ray = vertRays.ray(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largestComponent = vertRays.largestComponent[k];
           ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;

@@ -42,7 +42,7 @@ namespace embree
         }
 
         template<typename Function>
-        static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
+        static __forceinline CellVector combine (const CellVector& a, const CellVector& b, const Function& f)
         {
           CellVector r;
           for (int n=0; n<fieldVectors; n++) r.at[n] = f(a.at[n],b.at[n]);
@@ -53,7 +53,7 @@ namespace embree
         }
 
         template<typename Function>
-        __forceinline CellVector with (const Function& f) const
+        __forceinline CellVector map (const Function& f) const
         {
           CellVector r;
           for (int n=0; n<fieldVectors; n++) r.at[n] = f(at[n]);
@@ -65,7 +65,7 @@ namespace embree
       };
 
       __forceinline CellVector madd (const CellVector& a, float b, float c) {
-        return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
+        return a.map([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
       /*! One coordinate of the corners of 4 x 4 quads. Quad column + 4 row is in that lane of the vectors. */

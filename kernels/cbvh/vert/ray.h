@@ -134,7 +134,7 @@ namespace embree
         __forceinline NearestVertHit& nearest (size_t k) { return rays[k].nearest; }
 
         /*! Ray k for tests of triangles: rcp, largestComponent, negativeAxes and cache are not set. */
-        __forceinline const VertRay& at (size_t k)
+        __forceinline const VertRay& ray (size_t k)
         {
           VertRay& ray = rays[k];
           if (likely((loaded >> k) & 1)) return ray;
@@ -149,7 +149,7 @@ namespace embree
 
       private:
         bool isSet;
-        uint32_t loaded; //!< mask of rays that at() has set
+        uint32_t loaded; //!< mask of rays that ray() has set
         VertRay rays[K];
       };
 

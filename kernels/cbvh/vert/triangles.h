@@ -153,13 +153,13 @@ namespace embree
         static __forceinline CellVector relativeToRay (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
-          return CellVector(group.at[k]).with([&](const vfloatV& x) { return x - org; });
+          return CellVector(group.at[k]).map([&](const vfloatV& x) { return x - org; });
         }
 
         static __forceinline CellVector shearToRay (const CellVector& x, float shear, const CellVector& z)
         {
           const vfloatV s(shear);
-          return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
+          return CellVector::combine(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
         }
 
         /*! Moves bit q to bit 2q. */
