@@ -56,8 +56,8 @@ namespace embree
       static const int maxBitsOfFour = 25; //!< largest field that always fits into four bytes, at first bits 0 to 7
       static const int maxOverread = 8;    //!< bytes that windows may read after the last field
 
-      /*! False for fields below 3 bits, whose windows would read too far, and of 31 bits, four of which can extend over
-       *  17 bytes. */
+      /*! False for fields below 3 bits, whose windows would read too far, and of 31 bits: four can extend over 17
+       *  bytes. */
       static __forceinline bool hasWindows (int bits) { return bits >= 3 && bits != 31; }
 
       Windows windows[maxWindowBits+1];
