@@ -59,9 +59,9 @@ namespace embree
       {
       public:
         /*! form: as VertHeader::boxForm. margins: for each axis one byte per group. */
-        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
+        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& layout,
                                      const VertSpacing& spacing, const float* origin)
-          : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
+          : form(form), margins(margins), layout(layout), spacing(spacing), origin(origin) {}
 
         /*! corners: vertices of the first cell, in lattice coordinates. */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
@@ -83,12 +83,12 @@ namespace embree
         }
 
       private:
-        /*! vertices: coordinates on axis k. from: world position of coordinate 0; 0 for the sheared axis. */
-        __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
+        /*! vertices: coordinates on axis k. offset: world position of coordinate 0; 0 for the sheared axis. */
+        __forceinline void decode (int k, const float* vertices, float offset, GroupPlanes& out) const
         {
           alignas(16) uint8_t expanded[24]; // vectors of four load 8 bytes, the last from byte 12 on
-          const uint8_t* axisMargins = expandRows(margins + k*groups.groups,expanded);
-          const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
+          const uint8_t* axisMargins = expandRows(margins + k*layout.groups,expanded);
+          const vfloatV spacing(this->spacing.at[k]), origin(offset), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
@@ -104,10 +104,10 @@ namespace embree
          *  read from the result. out: 24 bytes. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
-          if (likely(groups.groupsX == 4)) return rows;
+          if (likely(layout.groupsX == 4)) return rows;
           for (int i=0; i<24; i++) out[i] = 0;
-          for (uint32_t y=0; y<groups.groupsY; y++)
-            for (uint32_t x=0; x<groups.groupsX; x++) out[4*y+x] = rows[y*groups.groupsX+x];
+          for (uint32_t y=0; y<layout.groupsY; y++)
+            for (uint32_t x=0; x<layout.groupsX; x++) out[4*y+x] = rows[y*layout.groupsX+x];
           return out;
         }
 
@@ -122,7 +122,7 @@ namespace embree
 
         const uint32_t form;
         const uint8_t* margins;
-        const VertLayout& groups;
+        const VertLayout& layout;
         const VertSpacing& spacing;
         const float* origin;
       };

@@ -283,13 +283,13 @@ namespace embree
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
-          float reach[3]; // upper bounds of coordinates
+          float maxCoordinate[3];
           for (int k=0; k<3; k++)
           {
             const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
             if (unlikely(hasRanks(block->spacings,uint32_t(k)))) {
               decodeRankedBoxes(k,bytes,groups,shift,out);
-              reach[k] = 0.0f;
+              maxCoordinate[k] = 0.0f;
               continue;
             }
             const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->form);
@@ -304,14 +304,15 @@ namespace embree
               vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
               vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
             }
-            reach[k] = float(256u << shift); // bytes of plane and extent, plus 1, are at most 256
-            out.extent[k] = reach[k]*meshSpacing(block->spacings,uint32_t(k));
+            maxCoordinate[k] = float(256u << shift); // bytes of plane and extent, plus 1, are at most 256
+            out.extent[k] = maxCoordinate[k]*meshSpacing(block->spacings,uint32_t(k));
           }
           if (likely(!isSheared())) return;
           const int m = int(meshShearedAxis(block->form));
           for (int i=1; i<3; i++)
-            reach[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)*reach[axisAfter(m,i)];
-          out.extent[m] = (reach[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
+            maxCoordinate[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)
+              *maxCoordinate[axisAfter(m,i)];
+          out.extent[m] = (maxCoordinate[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
           if (unlikely(out.axis == 3))
             for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
         }
@@ -385,14 +386,14 @@ namespace embree
           const __m128i none = _mm_setzero_si128(), group = _mm_loadu_si128((const __m128i*)block->groups);
 
           // a field has the bits of the extent and of the shift
-          __m128i bits[3], all = none;
+          __m128i bits[3], bitsPerVertex = none;
           for (uint32_t k=0; k<3; k++) {
             const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
             bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
-            all = _mm_add_epi8(all,bits[k]);
+            bitsPerVertex = _mm_add_epi8(bitsPerVertex,bits[k]);
           }
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)out.fieldBits[k],bits[k]);
-          _mm_store_si128((__m128i*)out.fieldBits[3],all);
+          _mm_store_si128((__m128i*)out.fieldBits[3],bitsPerVertex);
 
           const uint8_t* const records = bytes + layout.records;
           const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
@@ -406,10 +407,10 @@ namespace embree
             baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
           for (int half=0; half<2; half++)
           {
-            auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
+            auto toWords = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
             const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
               isPresent = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
-            const __m128i sizes = wide(group), r = record[half],
+            const __m128i sizes = toWords(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(sizes,fiveBits),_mm_set1_epi16(1)),
               entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
@@ -420,11 +421,11 @@ namespace embree
             // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
-            sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),
               _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),vertexCount[half])));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(vertexCount[half],own[half])));
             topology[half] = _mm_and_si128(sum,isPresent);
-            vertices[half] = _mm_mullo_epi16(own[half],wide(all));
+            vertices[half] = _mm_mullo_epi16(own[half],toWords(bitsPerVertex));
             numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isPresent);
           }
           out.topologyBegin = 8*layout.topology;
@@ -435,7 +436,7 @@ namespace embree
           for (int half=0; half<2; half++) {
             __m128i* const zero = (__m128i*)out.fieldBitOfVertex0 + half;
             const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
-              size = half ? _mm_unpackhi_epi8(all,none) : _mm_unpacklo_epi8(all,none);
+              size = half ? _mm_unpackhi_epi8(bitsPerVertex,none) : _mm_unpacklo_epi8(bitsPerVertex,none);
             _mm_store_si128(zero,_mm_sub_epi16(_mm_load_si128(zero),_mm_mullo_epi16(first,size)));
           }
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;

@@ -95,17 +95,17 @@ namespace embree
          *  plus 1. */
         void unshear (uint32_t m, uint32_t g, int values[2]) const
         {
-          int least = 8, most = 8; // sums of the shear, in 1/16; 8 rounds to nearest
+          int minShear = 8, maxShear = 8; // sums of the shear, in 1/16; 8 rounds to nearest
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
             const int slope = meshSlope(block->form,i), lower = int(plane(nullptr,k,g) << shift),
               upper = lower + int((plane(nullptr,3+k,g)+1) << shift) - 1;
-            least += slope*(slope < 0 ? upper : lower);
-            most += slope*(slope < 0 ? lower : upper);
+            minShear += slope*(slope < 0 ? upper : lower);
+            maxShear += slope*(slope < 0 ? lower : upper);
           }
-          values[0] -= most >> 4;
-          values[1] -= least >> 4;
+          values[0] -= maxShear >> 4;
+          values[1] -= minShear >> 4;
         }
 
         /*! Byte of a step's box of group g; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for extents. */
