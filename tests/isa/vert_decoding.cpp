@@ -249,7 +249,7 @@ void comparePacketsWithRays()
         ASSERT_EQ(rays[r].kz, int(kz));
         const uint32_t mask = GroupTriangles(rays[r], cell).mask;
         ASSERT_EQ(uint32_t(triangles.mask[r]), mask) << "case " << i << ", ray " << r << " of " << K;
-        ASSERT_EQ(GroupTriangles(together.at(r), cell).mask, mask);
+        ASSERT_EQ(GroupTriangles(together.ray(r), cell).mask, mask);
         found += mask != 0;
       }
     }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compression settings and statistics of geometries. Like all headers of this folder, it does not include Embree's, so
- * that interfaces outside of libembree3 (kernels/beside) can use it. The C functions in api/ also call it. */
+/* Compression settings and statistics of geometries, for the C functions in api/ and kernels/beside. Headers of this
+ * folder do not include Embree's internal ones. */
 
 #include "../base/surface_statistics.h"
 #include "../state/settings.h"
@@ -18,17 +18,17 @@ namespace embree
   {
     /*! Throws RTC_ERROR_INVALID_ARGUMENT, naming the member and its value, for: a compression that is unknown or not in
      *  this library, a frameLevel outside of -2 (inherit), -1 (auto) and 0 to 8, a maxError that is not finite, a
-     *  maxPixelError that is negative or not finite, an invalid camera if maxPixelError is not 0, and a fallbackFaces
+     *  maxPixelError that is negative or not finite, an invalid camera with a maxPixelError above 0, or a fallbackFaces
      *  above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry,
-     *  and for geometry loaded from a file. After an error the geometry keeps its settings. Thread safety: no other
-     *  thread may use the geometry during this call. Cost: constant. */
+    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry and
+     *  for geometry loaded from a file. An error changes nothing. Thread safety: no other thread may use the geometry
+     *  during this call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
-    /*! True if a geometry is stored as blocks and did not change since they were built. Thread safety: no other thread
-     *  may commit the geometry during this call. Cost: constant. */
+    /*! True if a geometry has blocks and did not change since they were built. Thread safety: no other thread may
+     *  commit the geometry during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why the last commit left a geometry that requests compression to Embree's kernels, as the end of a

@@ -12,8 +12,8 @@ namespace embree
 {
   namespace
   {
-    /*! How a key's value is checked. Any: not at all here. Names of accelerators and builders are checked when a scene
-     *  is built, cbvh keys when they are parsed. */
+    /*! How values are checked. Any: later. Names of accelerators and builders are checked when a scene is built, cbvh
+     *  keys when they are parsed. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
@@ -63,7 +63,7 @@ namespace embree
       return key == std::end(keys) ? nullptr : key;
     }
 
-    /*! Returns the Levenshtein distance of two words, computed row by row. */
+    /*! Levenshtein distance. */
     size_t editDistance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
@@ -81,7 +81,7 @@ namespace embree
       return row[b.size()];
     }
 
-    /*! Returns the accepted values; none if values are not checked by a list. */
+    /*! Accepted values; empty if there is no list. */
     std::vector<std::string> acceptedValues (Value value)
     {
       switch (value) {

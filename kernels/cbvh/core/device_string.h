@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Checks device strings such as "threads=4,isa=avx2". Embree ignores unknown keys and many invalid values without an
- * error. Independent of Embree, so that libembree_cbvh can use it. Thread-safe. */
+/* Checks device strings such as "threads=4,isa=avx2", because Embree ignores unknown keys and many invalid values.
+ * Independent of Embree, for libembree_cbvh. Thread-safe. */
 
 #include <string>
 #include <vector>
 
 namespace embree
 {
-  /*! True if a key is one of Embree's, or one of the cbvh keys. */
+  /*! True for Embree's keys and the cbvh keys. */
   bool isDeviceKey (const std::string& key);
 
   /*! Returns the known key that is most similar to `word`, for messages. */
@@ -20,8 +20,8 @@ namespace embree
   /*! Returns the first word that begins with `word`, otherwise the most similar one. */
   std::string nearestWord (const std::string& word, const std::vector<std::string>& words);
 
-  /*! Checks all keys, and values whose errors Embree ignores. Returns an empty string, or a message with the first
-   *  invalid key or value and what is accepted. */
+  /*! Checks all keys, and values whose errors Embree ignores. Returns a message with the first invalid key or value and
+   *  what is accepted, or an empty string. */
   std::string findDeviceStringError (const char* deviceString);
 
   /*! Returns and clears the message of this thread's last rejected setting, or an empty string. */

@@ -54,8 +54,7 @@ namespace embree
             "invalid direction or up: expected vectors that are not zero and not parallel");
       }
 
-      /*! Sets each edge's rate to the highest of its faces, so that adjacent faces agree without stitching. rates: one
-       *  per index. */
+      /*! Sets each edge's rate to the highest of its faces. rates: one per index. */
       void equalizeEdgeRates (const SubdivMesh* mesh, std::vector<float>& rates)
       {
         struct Edge
@@ -85,7 +84,7 @@ namespace embree
         }
       }
 
-      /*! Largest power of two up to `bound`, which is at least 1 and may be infinite, and up to 4096. */
+      /*! Largest power of two up to `bound` and 4096. bound: at least 1, may be infinite. */
       float largestRate (float bound) { return std::ldexp(1.0f,int(std::floor(std::log2(min(bound,4096.0f))))); }
 
       /*! Nearest power of two by ratio, at most `bound`. */
@@ -117,8 +116,8 @@ namespace embree
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
                 /* Otherwise the face has a patch per corner i, whose parameters u and v begin at 2 (i % 4) + 0.5 and 2
-                 * (i / 4) + 0.5. Two of its sides are halves of the edges at the corner, so its rates count twice. The
-                 * edges also get the rates of the opposite sides. Embree supports 16 corners. */
+                 * (i / 4) + 0.5. Two of its sides are half an edge, so rates count twice. The edges also get the rates
+                 * of the opposite sides. Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];

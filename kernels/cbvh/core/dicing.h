@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Chooses the edge rates of a subdivision surface, from which GRID and all compressed kinds tessellate it, by the size
- * of its quads in a camera's picture. */
+/* Chooses the edge rates of a subdivision surface by the size of its quads in a camera's picture. */
 
 #include "../surface/dicing_camera.h"
 #include <vector>
@@ -15,11 +14,11 @@ namespace embree
 
   namespace core
   {
-    /*! Sets the level buffer of a subdivision surface and returns the levels, one per index, as rtcDiceGeometry.
-     *  Measures lengths as if seen from the front. Rates are rounded to the nearest power of two. An edge has the
-     *  highest rate of its faces and time steps. Errors: as rtcDiceGeometry; RTC_ERROR_INVALID_OPERATION also for
-     *  geometry loaded from a file. Thread safety: no other thread may use the geometry during this call, except that
-     *  several threads call the displacement function. */
+    /*! As rtcDiceGeometry: sets the level buffer of a subdivision surface and returns the levels, one per index. An
+     *  edge has the highest rate of its faces and time steps, rounded to the nearest power of two. Lengths are measured
+     *  as if seen from the front. Errors: as rtcDiceGeometry; RTC_ERROR_INVALID_OPERATION also for geometry loaded from
+     *  a file. Thread safety: no other thread may use the geometry during this call; several threads call the
+     *  displacement function. */
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera);
   }
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The functions in this folder throw Embree's rtcore_error, or std::bad_alloc. rtc functions catch them with
- * RTC_CATCH_END. Interfaces that do not include Embree call caughtError(). */
+/* Functions of this folder throw Embree's rtcore_error or std::bad_alloc. rtc functions catch them with RTC_CATCH_END,
+ * interfaces without Embree's headers with caughtError(). */
 
 #include "../../../include/embree3/rtcore.h"
 #include <string>
@@ -19,7 +19,7 @@ namespace embree
       std::string text;
     };
 
-    /*! Call it in a catch block. Exceptions that are not Embree's become RTC_ERROR_UNKNOWN. */
+    /*! Call it in a catch block. Other exceptions become RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
     /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code that must not include Embree's headers. */

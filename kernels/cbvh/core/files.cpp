@@ -25,7 +25,7 @@ namespace embree
         }
       }
 
-      /*! A geometry that can be saved. Holds its blocks, but no reference to the geometry. */
+      /*! A geometry that can be saved: references its blocks, but not the geometry. */
       struct SavableGeometry
       {
         const CompressibleGeometry* geometry;
@@ -35,7 +35,7 @@ namespace embree
         explicit SavableGeometry (Geometry* saved) : geometry(asCompressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
-          /* scenes with compressed surfaces also build blocks for surfaces that request none */
+          // scenes with compressed surfaces also build blocks for surfaces that request none
           const auto requestsCompression = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };

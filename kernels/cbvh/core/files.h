@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Compressed geometries in files. Contracts are those of include/embree3/rtcore_compressed_files.h, except that errors
- * are exceptions; docs/formats/file.md describes the format. A file is mapped: rays can be traced immediately, blocks
- * that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced or removed, but must
- * not be written or truncated. */
+/* Compressed geometries in files (docs/formats/file.md). Contracts are those of
+ * include/embree3/rtcore_compressed_files.h, with exceptions as errors. A file is mapped: rays can be traced
+ * immediately, blocks that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced
+ * or removed, but must not be written or truncated. */
 
 #include "../base/surface_statistics.h"
 #include "../../../include/embree3/rtcore_compression.h"
@@ -26,9 +26,8 @@ namespace embree
 
   namespace core
   {
-    /*! Saves a geometry, as rtcSaveCompressedGeometry: blocks, tree, time steps, primitives and statistics. Thread
-     *  safety: other threads may trace the geometry during this call, but not commit it. Cost: reads, checksums and
-     *  writes all blocks. */
+    /*! As rtcSaveCompressedGeometry. Thread safety: other threads may trace the geometry during this call, but not
+     *  commit it. Cost: reads, checksums and writes all blocks. */
     void saveGeometry (Geometry* geometry, const char* path);
 
     /*! Writes a file with any number of geometries, for one thread at a time. */
@@ -38,8 +37,8 @@ namespace embree
       /*! Starts a file. Errors: as saveGeometry. */
       CompressedFileWriter (Device* device, const char* path);
 
-      /*! Starts a file, or continues one that was not committed, as rtcResumeCompressedFileWriter. key: identifies the
-       *  source of the geometries. */
+      /*! As rtcResumeCompressedFileWriter: starts a file, or continues an uncommitted one. key: identifies the source
+       *  of the geometries. */
       CompressedFileWriter (Device* device, const char* path, uint64_t key);
 
       /*! Removes an uncommitted file, or keeps it if the writer has a key. */
@@ -48,7 +47,7 @@ namespace embree
       CompressedFileWriter (const CompressedFileWriter&) = delete;
       CompressedFileWriter& operator= (const CompressedFileWriter&) = delete;
 
-      /*! Number of geometries that were appended, including those of a resumed file. */
+      /*! Number of appended geometries, including those of a resumed file. */
       size_t size () const;
 
       /*! As rtcAppendCompressedGeometry. */
@@ -66,16 +65,16 @@ namespace embree
     /*! Entry of a file's directory. */
     struct FileDescription
     {
-      RTCGeometryType type;                    //!< type of the saved geometry
-      RTCCompression compression;              //!< representation of the saved geometry
+      RTCGeometryType type;                    //!< of the saved geometry
+      RTCCompression compression;              //!< representation
       unsigned primitiveCount, timeStepCount;
       float begin, end;                        //!< times of the first and last step
-      /*! Bounds of everything that rays can hit, at all times; empty if lower is above upper. */
+      /*! Bounds of everything that rays can hit, at all times; if empty, lower is above upper. */
       float lower[3], upper[3];
-      size_t bytes;                            //!< size of tree and blocks in the file
+      size_t bytes;                            //!< of tree and blocks in the file
     };
 
-    /*! An open file. Any number of threads may use it. Loaded geometries keep it mapped. */
+    /*! An open file, for any number of threads. Loaded geometries keep it mapped. */
     class CompressedFile
     {
     public:
@@ -94,14 +93,12 @@ namespace embree
       /*! Errors: as describe. */
       cbvh::CompressionStatistics statistics (size_t index) const;
 
-      /*! Returns a new, committed geometry with one reference, which the caller must release. Reads and checks what
-       *  rtcLoadCompressedGeometry does. If an index is loaded twice, the second geometry has private copies of the
-       *  blocks that rays reach. Errors: as describe; RTC_ERROR_INVALID_ARGUMENT if the tree is damaged;
-       *  std::bad_alloc. */
+      /*! As rtcLoadCompressedGeometry: returns a new, committed geometry with one reference, which the caller must
+       *  release. If an index is loaded twice, the second geometry has private copies of the blocks that rays reach.
+       *  Errors: as describe; RTC_ERROR_INVALID_ARGUMENT if the tree is damaged; std::bad_alloc. */
       Geometry* load (size_t index) const;
 
-      /*! Reads the whole file. Errors: RTC_ERROR_INVALID_ARGUMENT, naming the checksum, tree or block that is
-       *  damaged. */
+      /*! Reads the whole file. Errors: RTC_ERROR_INVALID_ARGUMENT, naming the damaged checksum, tree or block. */
       void verifyAll () const;
 
       Device* const device;  //!< holds a reference

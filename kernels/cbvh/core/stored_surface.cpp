@@ -11,13 +11,12 @@ namespace embree
   {
     namespace
     {
-      /*! The intersectors of AVX2 and later fuse multiply-adds (FMA), which changes the vertices between time steps. */
+      /*! From AVX2 on, intersectors fuse multiply-adds, which changes vertices between time steps. */
       cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
         return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
       }
 
-      /*! References a geometry and its blocks, because callbacks may release or commit the geometry. Throws if it has
-       *  no blocks. */
+      /*! References a geometry and its blocks, because callbacks may release or commit it. Throws without blocks. */
       struct HeldBlocks
       {
         const Ref<Geometry> geometry; // released last: blocks refer to its device

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Reads triangles, parts and clusters of compressed surfaces as stored.
+/* Reads triangles, parts and clusters of compressed surfaces.
  *
  * All functions throw RTC_ERROR_INVALID_OPERATION for geometry that has no blocks, is not completely stored as cVERT or
- * cGRID, or comes from a damaged file. cLEAF and cVOXEL have no triangles.
+ * cGRID (cLEAF and cVOXEL have no triangles), or comes from a damaged file.
  *
- * Thread safety: threads may call them for a geometry, and trace it, at the same time. No thread may commit it during a
- * call. Closures run on the calling thread; their arguments are valid until they return.
+ * Thread safety: several threads may call them for a geometry, and trace it, but not commit it. Closures run on the
+ * calling thread; their arguments are valid until they return.
  *
- * time: time of rays; ignored for geometry that does not move. Vertices are the floats of traversal at that time.
- * Outside of the geometry's time range there are no triangles. */
+ * time: of rays; ignored for geometry that does not move. Vertices are the floats of traversal at that time. Outside of
+ * the geometry's time range there are no triangles. */
 
 #include "../stored/cluster.h"
 #include <functional>
@@ -26,9 +26,9 @@ namespace embree
     /*! Time of the first time step, 0 for geometry that does not move. */
     float firstTime (Geometry* geometry);
 
-    /*! Finds the triangle of a hit, as rtcGetCompressedTriangleAtTime. Ng: 3 floats, or null. triangle: set if the
-     *  result is true. Cost: decodes one or a few blocks. The first call after a commit builds an index of 16 bytes per
-     *  block, plus 4 per primitive of a quad or triangle mesh. */
+    /*! As rtcGetCompressedTriangleAtTime: finds the triangle of a hit. Ng: 3 floats, or null. triangle: set if the
+     *  result is true. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block,
+     *  plus 4 per primitive of a quad or triangle mesh. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
         cbvh::StoredTriangle& triangle);
 
@@ -36,8 +36,8 @@ namespace embree
      *  once. */
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
-    /*! Calls closure(cluster) for all clusters, always in the same order, until it returns false, as
-     *  rtcForEachCompressedCluster. report: set to sums over the clusters, even after an error. */
+    /*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
+     *  returns false. report: set to sums over the clusters, even after an error. */
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
         const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterReport& report);

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* Public structs that may grow, as specified in include/cbvh/cbvh.h and include/embree3/rtcore_compression.h. Each
- * begins with size_t structSize, the application's sizeof. Later versions append members, for which zero selects the
- * previous behavior. They begin at the previous version's sizeof, so structs that the library reads have no padding at
- * the end.
+/* Public structs that may grow (include/cbvh/cbvh.h, include/embree3/rtcore_compression.h). Each begins with size_t
+ * structSize, the application's sizeof. Later versions append members, for which zero selects the previous behavior, at
+ * the previous sizeof; structs that the library reads therefore have no padding at the end.
  *
- * The application's struct may be smaller than this version's type. Callers may access only structSize directly.
+ * The application's struct may be smaller than this version's: only structSize may be accessed directly.
  *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT, naming the struct, if structSize is out of range. */
 
@@ -31,16 +30,15 @@ namespace embree
       static_assert(offsetof(T,structSize) == 0 && firstSize <= sizeof(T),"members are appended to structSize"); \
     }
 
-    /*! GrowingStruct at run time, so that the functions below are no templates. */
+    /*! GrowingStruct at run time, for functions that are no templates. */
     struct KnownStruct
     {
       const char* name;
-      size_t firstSize, size;  //!< in the first version and in this one
+      size_t firstSize, size;  //!< sizeof in the first version and in this one
     };
 
     /*! Upper bound of structSize. Larger values indicate uninitialized memory. */
     const size_t maxStructSize = 1024;
-
 
     /*! Implementations of requireStruct, readStruct and writeStruct. */
     void checkStructSize (const KnownStruct& known, const void* data);
@@ -60,7 +58,7 @@ namespace embree
       return to;
     }
 
-    /*! Call it before computing a result to write. */
+    /*! Call it before computing a result for writeStruct. */
     template<typename T>
     void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 

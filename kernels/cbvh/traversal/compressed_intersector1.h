@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Single-ray queries of the top-level BVH4, which Embree calls for scenes with compressed geometries: one class for the
- * tree of surfaces at rest, one for the tree of moving surfaces. Leaves are blocks of any representation
- * (leaf_intersectors1.h), or Embree's grids for patches that are not compressed. */
+/* Single-ray queries of the top-level BVH4 that Embree calls for scenes with compressed geometries: one class for the
+ * tree of surfaces at rest, one for the tree of moving surfaces. Leaves are blocks (leaf_intersectors1.h), or Embree's
+ * grids for patches that are not compressed. */
 
 #include "top_level1.h"
 #include "leaf_intersectors1.h"
@@ -20,7 +20,6 @@ namespace embree
     {
       typedef void Primitive;
 
-      /*! State of a ray for leaves of all types. */
       struct State : public SubdivPatch1Intersector1::Precalculations
       {
         __forceinline State (const Ray& ray, const void* ptr)
@@ -60,7 +59,7 @@ namespace embree
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
-        // filter functions must see hits of blocks with frames in order, see top_level1.h
+        // filter functions must see hits in order, see traverseClosestHit1
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,cbvh::StaticNodes(),ray,leaves);
@@ -115,8 +114,7 @@ namespace embree
       };
     };
 
-    /*! Queries of the tree of moving blocks, at the ray's time. Rays that miss the box around all of them cost
-     *  little. */
+    /*! Queries of the tree of moving blocks, at the ray's time. Rays that miss the bounds of all blocks cost little. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
@@ -138,7 +136,7 @@ namespace embree
         return merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
       }
 
-      /* Without the test of the box, for callers that have done it. */
+      /* For callers that have tested the bounds. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
         Leaves leaves = { ray,context };

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of packets and streams, instantiated for one instruction set. They find the same hits as single rays. If
- * the context is coherent, rays traverse the top-level BVH and blocks together. Other rays are traced one by one, and
- * so are rays through moving blocks, because they have different times. */
+/* Intersectors of packets and streams, instantiated for one instruction set, with the hits of single rays. Rays
+ * traverse the top-level BVH and blocks together if the context is coherent, otherwise one by one, and always one by
+ * one through moving blocks, because their times differ. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
@@ -46,7 +46,7 @@ namespace embree
         else updateTfar(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
-      /*! Sets the rays' final tfar, see NearestHit. Must be called after the traversal. */
+      /*! Sets the rays' final tfar, see NearestHit. Call it after the traversal. */
       __forceinline void finish (const vbool<K>& valid) { if (!isAnyHit) framed.setFinalTfar(valid,rays.tfar); }
 
     private:
@@ -84,8 +84,8 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Copies ray k of a packet. Origin and direction are composed in registers: traversal loads them as vectors, and
-     *  such a load would wait for separate stores of the components. */
+    /*! Copies ray k of a packet. Composes origin and direction in registers: traversal loads them as vectors, which
+     *  would wait for stores of the components. */
     template<int K>
     __forceinline void setRay (Ray& ray, const RayK<K>& rays, size_t k)
     {
@@ -128,7 +128,7 @@ namespace embree
       }
     }
 
-    /*! Returns the active rays that may hit something, see isValidRay(). mask: Embree's, -1 for active rays. */
+    /*! Active rays for which isValidRay() is true. mask: Embree's, -1 for active rays. */
     template<int K>
     __forceinline vbool<K> validRays (const vint<K>& mask, const RayK<K>& rays) {
       return (mask == vint<K>(-1)) & cbvh::isValidRay(rays);
@@ -145,7 +145,7 @@ namespace embree
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        // Embree's mark of any-hit rays that have found a hit
+        // Embree marks any-hit rays with a hit by a negative tfar
         const uint32_t occludedRays = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
         traceOneByOne<K>(raysToTrace(*mask,bvh,rays) & ~occludedRays,rays,
           [&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
@@ -173,7 +173,6 @@ namespace embree
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
-        // Embree marks any-hit rays that found a hit by a negative tfar
         const vbool<K> valid = validRays<K>(*mask,rays) & (rays.tfar >= vfloat<K>(zero));
         const PacketResult result = tracePacket(valid,This,rays,context);
         traceOneByOne<K>(result.separate,rays,
@@ -184,11 +183,11 @@ namespace embree
     private:
       struct PacketResult
       {
-        uint32_t separate; //!< mask of rays that the caller must trace one by one
-        vbool<K> occludedRays; //!< any-hit rays that found a hit
+        uint32_t separate;     //!< rays that the caller must trace one by one
+        vbool<K> occludedRays; //!< any-hit rays with a hit
       };
 
-      /*! Traces groups of rays with the same signs of the direction together, if the context is coherent. */
+      /*! If the context is coherent, traces rays with the same signs of the direction together. */
       template<typename Rays>
       static __noinline PacketResult tracePacket (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                             IntersectContext* context)

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. In
- * contrast to Embree, a ray only visits blocks whose bounds it intersects, because it could otherwise hit geometry
- * outside of these bounds (framed/block_bounds.h). Entry distances are passed as in top_level1.h. Hits therefore equal
- * those of single rays. */
+/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. So that
+ * hits equal those of single rays, a ray only visits blocks whose bounds it intersects, because it could hit geometry
+ * outside of these bounds (framed/block_bounds.h), and entry distances are passed as in top_level1.h. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -23,24 +22,24 @@ namespace embree
        *                     size_t& lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
        *     vfloat<K> tfar
-       *       Ends of rays, or -inf for any-hit rays with a hit. The traversal reads it after each intersect(). */
+       *       Ends of rays, -inf for any-hit rays with a hit; read after each intersect(). */
       template<int K, typename Leaves>
       class PacketTraversal
       {
         typedef BVH4::NodeRef NodeRef;
         typedef TravRayK<K,true> Tray;
 
-        /*! Entry of the stack. enter: per ray, where it enters the node's bounds; NaN for rays that miss them. */
+        /*! Stack entry. enter: entry distance of each ray; NaN if it misses the node. */
         struct Entry
         {
           vfloat<K> enter;
           NodeRef node;
-          float frustumEnter; //!< entry distance of the frustum, a lower bound of `enter`
+          float frustumEnter; //!< of the frustum: a lower bound of `enter`
         };
 
       public:
         /*! Traverses the tree with the rays in `valid`, which must have the same signs of tray.rdir. k: one of them.
-         *  Sets tray.tnear and tray.tfar. */
+         *  Sets tnear and tfar of tray. */
         static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
                                     Leaves& leaves)
         {
@@ -66,18 +65,17 @@ namespace embree
             size_t lazyNode = 0;
             leaves.intersect(hit,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
-              // inactive lanes may contain NaN, which would spoil the frustum's maximum
+              // NaN in inactive lanes would spoil the frustum's maximum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            // only for rays that intersected the leaf
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.frustumEnter };
           }
         }
 
       private:
-        /*! Embree's robust test of a single ray against boxes, for packets: the same operations, with the same factors
-         *  of 3 ulps as PlaneFactors. */
+        /*! Embree's robust box test of a single ray, for packets: the same operations, with the factors of
+         *  PlaneFactors. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];
@@ -107,7 +105,7 @@ namespace embree
           }
         };
 
-        /*! Pushes the children that rays intersect, the nearest one last. Returns the new top of the stack. */
+        /*! Pushes the children that rays intersect, the nearest one last. Returns the new top. */
         static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
                                                   const Tray& tray, Entry* top)
         {

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries (rtcPointQuery) over compressed geometries. "Within reach" means closer to the query's point than its
- * radius. The application's function is called for the primitive of each block within reach, possibly several times.
- * For blocks with numbers of quads and for mesh blocks, it is called for each primitive whose box, or whose triangle's
- * box, is within reach. As in Embree, queries find grids, quads and triangles at the query's time, but no subdivision
- * surfaces. */
+ * radius. The application's function is called, possibly several times, for the primitive of each block within reach;
+ * for blocks with numbers of quads and mesh blocks, for each primitive whose box, or whose triangle's box, is. As in
+ * Embree, queries find no subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/mapped_blocks.h"
@@ -67,10 +66,10 @@ namespace embree
 
         bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
-        /*! Largest value of distanceOf() within reach. It may decrease with each call of the application's function. */
+        /*! Largest distanceOf() within reach. A call of the application's function may decrease it. */
         float maxDistance () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
-        /*! Distances of a node's children: squared for a sphere, otherwise to the query's box, 0 for an overlap. */
+        /*! Distances of a node's children: squared for a sphere, otherwise to the query's box. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
           return distanceOf(distanceTo(query->p.x,node->lower_x,node->upper_x),
             distanceTo(query->p.y,node->lower_y,node->upper_y),distanceTo(query->p.z,node->lower_z,node->upper_z));
@@ -170,7 +169,7 @@ namespace embree
           return changed;
         }
 
-        /*! Returns false if a group of a mesh block that does not move is not within reach. Ignores a sheared axis. */
+        /*! False if a group of a mesh block that does not move is not within reach. Ignores a sheared axis. */
         bool isWithinReach (const MeshView& view, uint32_t g) const
         {
           BBox3fa bounds;
@@ -183,7 +182,7 @@ namespace embree
           return distanceOf(bounds) <= maxDistance();
         }
 
-        /*! Calls the application's function for a primitive if the box of the vertices is within reach. Returns true if
+        /*! Calls the application's function for a primitive if the box of `vertices` is within reach. Returns true if
          *  the call changed the query. */
         bool callForPrimitive (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
         {

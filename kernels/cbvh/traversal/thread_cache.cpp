@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory of the per-thread caches (base/thread_cache.h), and the variables by which base/mapped_blocks.h recognizes
- * blocks of mapped files. Compiled once, for the library's lowest instruction set: code for all instruction sets shares
- * the caches. */
+/* Memory of the per-thread caches (base/thread_cache.h), which all instruction sets share, and the variables by which
+ * base/mapped_blocks.h recognizes blocks of mapped files. Compiled once, for the library's lowest instruction set. */
 
 #include "../base/mapped_blocks.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
@@ -26,7 +25,7 @@ namespace embree
     const size_t largeCaches = 0;
 #endif
 
-    /*! Bytes of a cache that a thread uses. Arrays of CacheEntries use half of their memory unless largeCaches is 1. */
+    /*! Bytes of a cache that a thread uses: half, unless largeCaches is 1. */
     template<typename Entries>
     static size_t bytesOf () { return sizeof(ThreadCache<Entries>)/(2-largeCaches); }
 
@@ -69,7 +68,7 @@ namespace embree
       return *current;
     }
 
-    /*! True if a cache, at the size for largeCaches, fits into the second-level cache that largeCaches requires. */
+    /*! True if a large cache fits into the second-level cache that largeCaches requires. */
     template<typename Entries>
     constexpr bool fits () { return sizeof(ThreadCache<Entries>) < 1024*1024; }
 

@@ -4,8 +4,7 @@
 #pragma once
 
 /* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it also passes
- * the distance at which the ray enters a leaf's bounds, so that results are independent of the order of blocks
- * (framed/nearest_hit.h). */
+ * entry distances of leaves, so that results do not depend on the order of blocks (framed/nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -16,8 +15,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /* Nodes of a tree. operator() intersects the children of a node, and returns the mask of intersected children and
-       * their entry distances. `types`: Embree's bits for the types of nodes in the tree. */
+      /* Nodes of a tree. operator() returns the mask of children that the ray intersects, and their entry distances.
+       * types: Embree's bits for the tree's types of nodes. */
 
       /*! Nodes of the tree of surfaces at rest. */
       struct StaticNodes
@@ -38,7 +37,7 @@ namespace embree
         }
       };
 
-      /*! Entry distance of a stack entry, whose bits Embree stores as an integer. */
+      /*! Entry distance of a stack entry; Embree stores its bits as an integer. */
       __forceinline float distanceOf (const StackItemT<BVH4::NodeRef>& entry)
       {
         float distance;
@@ -46,8 +45,8 @@ namespace embree
         return distance;
       }
 
-      /*! If a stack entry is nearer than the leaf, moves the nearest one to the top, puts the leaf in its place, and
-       *  returns true. Leaves are then visited in order of distance. Embree sorts only the children of one node. */
+      /*! If a stack entry is nearer than the leaf, pushes the nearest one, stores the leaf in its place, and returns
+       *  true. Leaves are then visited in order of distance; Embree sorts only the children of one node. */
       __forceinline bool deferToNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
@@ -67,12 +66,12 @@ namespace embree
       /*! Finds the closest hit of a ray. Leaves: a class with
        *
        *     bool isSorted
-       *       True if blocks with frames must be visited in the order of their bounds, so that each hit that a filter
-       *       function accepts is nearer than the one before.
+       *       True if blocks with frames must be visited in order of distance, so that each hit that a filter function
+       *       accepts is nearer than the one before.
        *     bool hasFrame (leaf)
-       *       True if the leaf is a block with a frame. Other leaves cannot be hit before their bounds.
+       *       True for a block with a frame. Other leaves cannot be hit before their bounds.
        *     void setEnter (t)
-       *       Sets where the ray enters the bounds of the next block with a frame.
+       *       Sets the entry distance of the next block with a frame.
        *     void intersect (leaf, tray, lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next. */
       template<typename Nodes, typename Leaves>
@@ -119,8 +118,7 @@ namespace embree
         }
       }
 
-      /*! Returns true if the ray hits something. isOccluded(leaf,tray,lazyNode) must return true if it hits the leaf;
-       *  lazyNode: as above. */
+      /*! Returns true if isOccluded(leaf,tray,lazyNode) is true for a leaf that the ray reaches. lazyNode: as above. */
       template<typename Nodes, typename IsOccluded>
       __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
                                           const IsOccluded& isOccluded)

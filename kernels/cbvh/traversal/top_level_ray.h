@@ -5,13 +5,14 @@
 
 /* Rays in the top-level BVH, and tests that cull rays before its traversal. Rays differ from Embree's in two ways:
  *
- * Rays that are not finite are rejected. Comparisons with NaN would report hits of nonexistent children, and would make
- * a packet's bounds useless.
+ * Rays that are not finite are rejected. Comparisons with NaN would report hits of nonexistent children, and make a
+ * packet's bounds useless.
  *
- * Embree replaces reciprocals of components below 1e-18 by 1e18, however short the direction is. For a length of 1e-12
- * and a component of 0, this tilts the ray by 1e-6: it misses boxes of geometry that it hits. Here the threshold is
- * relative to the largest component (cvert/rule/reciprocal.h), and reciprocals are never 0. Traversal of finite rays
- * and boxes therefore computes no NaN, and no ray hits nonexistent children, whose bounds are infinity to -infinity. */
+ * Embree replaces reciprocals of components below 1e-18 by 1e18, whatever the length of the direction. For a length of
+ * 1e-12 and a component of 0, this tilts the ray by 1e-6, so that it misses boxes of geometry that it hits. Here the
+ * threshold is relative to the largest component (cvert/rule/reciprocal.h), and reciprocals are never 0. Traversal of
+ * finite rays and boxes computes no NaN, and no ray hits nonexistent children, whose bounds are infinity to
+ * -infinity. */
 
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
@@ -39,8 +40,8 @@ namespace embree
         return finite;
       }
 
-      /*! Reciprocals of a direction, by axis, and the factors that Embree's robust traversal multiplies distances from
-       *  planes with: `near` is smaller and `far` larger by 3 ulps, to cover rounding. */
+      /*! Reciprocals of a direction, by axis, and as factors of Embree's robust traversal: `near` is smaller and `far`
+       *  larger by 3 ulps, to cover rounding. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
@@ -50,8 +51,7 @@ namespace embree
             far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Returns false if the ray misses a box, and therefore, with the same rounding as in traversal, all boxes inside
-       *  of it. */
+      /*! Returns false if the ray misses a box and, with the rounding of traversal, all boxes inside of it. */
       __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
@@ -78,8 +78,7 @@ namespace embree
         return enter <= leave;
       }
 
-      /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: offsets of planes in a node, in
-       *  bytes. */
+      /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: offsets of a node's planes, bytes. */
       struct TopLevelRay : public TravRay<4,true>
       {
         __forceinline explicit TopLevelRay (const Ray& ray)

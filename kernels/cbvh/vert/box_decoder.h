@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* SIMD decoder of the boxes of a cVERT block's groups (cvert/format/block.h). Computes them from the corners of the
- * groups and from margins, without the groups' vertices, which only rays that intersect a box need. */
+/* SIMD decoder of the boxes of a cVERT block's groups (cvert/format/block.h). Needs the corners of the groups and their
+ * margins, but not the groups' other vertices. */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -19,7 +19,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! vertSpacing with vector instructions. word: of the first cell. Requires 16 readable bytes at `corners`. */
+      /*! vertSpacing with vector instructions. word: of the first cell. Reads 16 bytes at `corners`. */
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
@@ -32,8 +32,7 @@ namespace embree
         return spacing;
       }
 
-      /*! Sets axis and shear. form: VertHeader::boxForm. isSheared: false for raw blocks, whose boxes have the axes of
-       *  the world. */
+      /*! Sets axis and shear. form: VertHeader::boxForm. isSheared: false for raw blocks. */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
@@ -42,7 +41,7 @@ namespace embree
           for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
-      /*! Sets all members of `axes`. The extent of a raw block is set to 0; the caller must set it from the planes. */
+      /*! Sets `axes`. For a raw block, the caller must set the extent from the planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         const bool raw = isRaw(block->boxForm);
@@ -55,17 +54,16 @@ namespace embree
         }
       }
 
-      /*! Decodes the planes of all boxes: bounds of the four corners of each group, moved outward by margins. */
+      /*! Decodes the planes of all boxes: bounds of each group's four corners, moved outward by margins. */
       class PlanesDecoder
       {
       public:
-        /*! form: shear and shifts of margins, as in VertHeader::boxForm. margins: for each axis one byte per group, in
-         *  rows of groupsX. */
-        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
+        /*! form: as VertHeader::boxForm. margins: for each axis one byte per group. */
+        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& layout,
                                      const VertSpacing& spacing, const float* origin)
-          : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
+          : form(form), margins(margins), layout(layout), spacing(spacing), origin(origin) {}
 
-        /*! corners: vertices of the first cell, which are corners of the groups, in lattice coordinates. */
+        /*! corners: vertices of the first cell, in lattice coordinates. */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);
@@ -85,12 +83,12 @@ namespace embree
         }
 
       private:
-        /*! vertices: coordinates on axis k. from: world position of coordinate 0, or 0 for the sheared axis. */
-        __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
+        /*! vertices: coordinates on axis k. offset: world position of coordinate 0; 0 for the sheared axis. */
+        __forceinline void decode (int k, const float* vertices, float offset, GroupPlanes& out) const
         {
           alignas(16) uint8_t expanded[24]; // vectors of four load 8 bytes, the last from byte 12 on
-          const uint8_t* axisMargins = expandRows(margins + k*groups.groups,expanded);
-          const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
+          const uint8_t* axisMargins = expandRows(margins + k*layout.groups,expanded);
+          const vfloatV spacing(this->spacing.at[k]), origin(offset), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
@@ -102,14 +100,14 @@ namespace embree
           }
         }
 
-        /*! Moves bytes of groups to the lanes of the groups. Returns `rows` if they are there already, otherwise `out`,
-         *  which has room for 24 bytes. 16 bytes can be read from the result. */
+        /*! Moves each group's byte to the group's lane. Returns `out`, or `rows` if nothing moves. 16 bytes can be
+         *  read from the result. out: 24 bytes. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
-          if (likely(groups.groupsX == 4)) return rows;
+          if (likely(layout.groupsX == 4)) return rows;
           for (int i=0; i<24; i++) out[i] = 0;
-          for (uint32_t y=0; y<groups.groupsY; y++)
-            for (uint32_t x=0; x<groups.groupsX; x++) out[4*y+x] = rows[y*groups.groupsX+x];
+          for (uint32_t y=0; y<layout.groupsY; y++)
+            for (uint32_t x=0; x<layout.groupsX; x++) out[4*y+x] = rows[y*layout.groupsX+x];
           return out;
         }
 
@@ -124,7 +122,7 @@ namespace embree
 
         const uint32_t form;
         const uint8_t* margins;
-        const VertLayout& groups;
+        const VertLayout& layout;
         const VertSpacing& spacing;
         const float* origin;
       };

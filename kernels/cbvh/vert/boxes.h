@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Rays along the axes of a cVERT block's boxes, and tests against the bounds of the entire block, which need its header
- * only. Boxes only cull: they must not reject a ray that hits a triangle, so planes are moved outward by the rounding
- * errors that cvert/rule/rule.h states. `Real` is float, or a vector with one ray of a packet per lane. */
+/* Rays along the axes of a cVERT block's boxes, and tests against the bounds of the entire block, which need only its
+ * header. Boxes must not reject a ray that hits a triangle: planes are moved outward by the rounding errors of
+ * cvert/rule/rule.h. `Real` is float, or a vector with one ray of a packet per lane. */
 
 #include "box_decoder.h"
 #include "ray.h"
@@ -36,8 +36,8 @@ namespace embree
         }
       };
 
-      /*! boxSlack and ShearedRay of a single ray, for all axes at once. Loads of four floats from arrays of three also
-       *  read the member after the array; its lane is not used. */
+      /*! boxSlack and ShearedRay of a single ray, for all axes at once. Vector loads from arrays of three floats also
+       *  read the next member, into an unused lane. */
       struct RayInBoxes
       {
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
@@ -66,11 +66,10 @@ namespace embree
       /*! Bounds of a block relative to its origin, see BlockReach. */
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< further outward offset of planes per axis: rounding of interpolated bounds
+        float slack[3]; //!< further outward offset of planes, by axis: rounding of interpolated bounds
       };
 
-      /*! Returns false if a ray misses the bounds between tNear and tFar. Most rays that hit no group miss them, and
-       *  then need no decoded block. */
+      /*! Returns false if the ray misses the bounds between tNear and tFar. */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear,
         Real tFar)
@@ -110,20 +109,20 @@ namespace embree
         return intersectsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
-      /*! Bounds of a moving block between two time steps. Reads only the headers of the steps; decodes nothing. */
+      /*! Bounds of a moving block between two time steps. Reads only the headers of the steps. */
       class SegmentReach
       {
         struct End
         {
           const float* origin;
           VertSpacing spacing;
-          uint32_t step, reach; //!< bounds, and their unit (reachStep)
+          uint32_t reach, reachUnit; //!< bounds, and their unit (reachStep)
         };
         End ends[2];
         uint32_t form;
 
       public:
-        bool raw; //!< an end is raw: the segment has no bounds
+        bool raw; //!< an end is raw; the segment has no bounds
 
         __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
         {
@@ -141,7 +140,7 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
-        /*! Upper bound of the distance of vertices from the origin at all times. Requires !raw. */
+        /*! Upper bound of the vertices' distance from the origin at all times. Requires !raw. */
         __forceinline float extent () const
         {
           return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
@@ -165,17 +164,17 @@ namespace embree
         }
 
       private:
-        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step,
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t reachUnit,
                                        uint32_t reach)
         {
           end.origin = origin;
           end.spacing = spacing;
-          end.step = step;
+          end.reachUnit = reachUnit;
           end.reach = reach;
         }
 
         __forceinline BlockReach reachOf (const End& end) const {
-          return reachOfBlock(form,end.reach,end.step,end.spacing);
+          return reachOfBlock(form,end.reach,end.reachUnit,end.spacing);
         }
       };
     }

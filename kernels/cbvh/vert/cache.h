@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoded cVERT blocks in the cache of a thread (base/thread_cache.h). Blocks and groups have separate entries: each
- * ray that reaches a block needs the boxes of its groups, but few rays need the vertices of a certain group. */
+/* Decoded cVERT blocks in the cache of a thread (base/thread_cache.h). Blocks and groups have separate entries, because
+ * each ray that reaches a block needs the groups' boxes, but few rays need a certain group's vertices. */
 
 #include "../base/thread_cache.h"
 #include "tables.h"
@@ -13,23 +13,21 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Lanes after the last vertex
-     *  are undefined. */
+    /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. One lane more than vertices, because two are
-     *  stored at a time. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26, because two lanes are stored at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
-    /*! Planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on the sheared
-     *  axis. Group (x,y) is in lane x + 4 y. Lanes without a group are undefined. */
-    struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
+    /*! Lower and upper planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on
+     *  the sheared axis. Group (x,y) is in lane x + 4 y. Other lanes are undefined. */
+    struct alignas(64) GroupPlanes { float at[2][16]; };
 
-    /*! Axes of a block's boxes: the axes of the world, except for at most one that is sheared. */
+    /*! Axes of a block's boxes: those of the world, except for at most one that is sheared. */
     struct VertAxes
     {
       int axis;        //!< the sheared axis; 3 for none, as in raw blocks
-      float origin[3]; //!< origin of the block
+      float origin[3]; //!< of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
       float shear[3];  //!< the sheared coordinate is the sum of shear[k]*(p[k]-origin[k])
     };
@@ -44,7 +42,7 @@ namespace embree
     struct VertBoxes : public GroupBoxes
     {
       uint32_t words[16];    //!< word of each group's cell
-      uint16_t fields[16];   //!< offset in the block of each group's fields
+      uint16_t fields[16];   //!< offset of each group's fields in the block
       CellCoordinates corners; //!< corners of the groups
       const void* block;     //!< block that the boxes belong to, or null
     };
@@ -56,12 +54,12 @@ namespace embree
     class VertEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. 512: full blocks have more
-       *  bytes, so neighboring blocks have different slots. */
+      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. 512: less than a full block, so
+       *  that neighboring blocks have different slots. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
-      /*! The first of 16 slots of a block's groups, one per lane. If a slot's key differs, the caller must fill the
-       *  slot and set its key. 32: one slot per 512/16 bytes of block. */
+      /*! First of the 16 slots of a block's groups. If a slot's key differs, the caller must fill the slot and set its
+       *  key. 32: one slot per 512/16 bytes of block. */
       static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
@@ -73,7 +71,7 @@ namespace embree
       }
 
     private:
-      static const size_t numGroups = 768; //!< as many as fit into a core's cache, see traversal/thread_cache.cpp
+      static const size_t numGroups = 768; //!< limited by a core's cache, see traversal/thread_cache.cpp
       typedef CacheEntries<CellVertices,numGroups,15> Groups;
 
       CacheEntries<VertBoxes,256> blocks;
@@ -94,34 +92,33 @@ namespace embree
       }
     };
 
-    /*! Data of a time step that groups share. */
+    /*! Cells of a time step. */
     struct StepCells
     {
-      alignas(64) uint16_t fields[16]; //!< offset of each group's fields, in bytes from the start of the step
+      alignas(64) uint16_t fields[16]; //!< offset of each group's fields from the start of the step
       uint32_t words[16];              //!< word of each group's cell
       CellCoordinates corners;         //!< corners of the groups
     };
 
-    /*! Data of a segment that groups share: boxes at both ends, between which callers interpolate. VertAxes::origin is
-     *  unused, because it moves. */
+    /*! Data of a segment that groups share: boxes at both ends. VertAxes::origin is unused. */
     struct SegmentBoxes : public VertAxes
     {
       uint32_t lanes;            //!< mask of lanes with a group
-      SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< of the block, at both ends
-      GroupPlanes ends[2][3];    //!< at both ends, by axis
-      StepCells steps[2];        //!< at both ends; undefined for a raw step
+      SegmentKey key;            //!< of the block
+      float origins[2][3];       //!< of the block
+      GroupPlanes ends[2][3];    //!< by end and axis
+      StepCells steps[2];        //!< undefined for a raw step
     };
 
     /*! Vertices of a group in world space, at the ends of a segment. */
     struct SegmentVertices
     {
-      SegmentKey key;            //!< key of the group
+      SegmentKey key;            //!< of the group
       CellVertices ends[2];
     };
 
-    /*! Cache of moving blocks. Boxes, Group: types of entries, for a segment of a block and for a segment of a group,
-     *  with a SegmentKey `key`. blockBytes, groupBytes: bytes of memory per slot, see slotOfBlock. */
+    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and of a group, with a SegmentKey `key`.
+     *  blockBytes, groupBytes: bytes of memory per slot, see slotOfBlock. */
     template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
     class SegmentEntries
     {
@@ -146,7 +143,7 @@ namespace embree
       CacheEntries<Group,numGroups> groups;
     };
 
-    /* 323 is odd, so that blocks at distances of a power of two do not share a few entries. */
+    /* 323 is odd: otherwise blocks at distances of a power of two would share few entries. */
     typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;

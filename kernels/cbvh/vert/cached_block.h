@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Access to a decoded cVERT block. Decodes it into the thread's cache if necessary. References into the cache become
- * invalid once a hit is reported, because a filter function may trace further rays. */
+/* Access to a decoded cVERT block, which is decoded into the thread's cache if necessary. References into the cache
+ * become invalid once a hit is reported, because a filter function may trace further rays. */
 
 #include "../base/mapped_blocks.h"
 #include "boxes.h"
@@ -19,7 +19,7 @@ namespace embree
       class CachedVertBlock
       {
       public:
-        /*! ray: a VertRay or VertRays after set(); provides the cache. */
+        /*! ray: a VertRay or VertRays, after set(). */
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
           : cache(*ray.cache), block(block), slot(cache.slot(block)),
@@ -34,7 +34,7 @@ namespace embree
           return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! Returns false if the block is damaged. Then no byte of it may be read, not even its header. */
+        /*! Returns false if the block is damaged. Then not even its header may be read. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORMAT); }
 
         /*! Returns the boxes of groups; decodes them if necessary. Requires isUsable(). */
@@ -55,7 +55,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          // 12 cache lines cover most blocks. Offsets of groups are known too late to prefetch their fields alone.
+          // 12 cache lines cover most blocks; offsets of groups are known too late to prefetch only their fields
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);

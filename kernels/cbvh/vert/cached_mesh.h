@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* CachedVertBlock for mesh blocks, with the functions that let intersector1.h and hits1.h intersect them. Code shared
- * with cVERT blocks accesses a mesh block as a VertHeader. It reads `surface` and `primID`, which have the same offsets
- * in a MeshHeader, and `region` to order hits at the same distance, which is `bytes` in a MeshHeader. */
+/* CachedVertBlock for mesh blocks, with the functions that intersector1.h and hits1.h require. Code shared with cVERT
+ * blocks accesses a mesh block as a VertHeader: `surface` and `primID` have the same offsets in a MeshHeader, and
+ * `region`, which only orders hits at the same distance, is `bytes` there. */
 
 #include "../base/mapped_blocks.h"
 #include "hits1.h"
@@ -21,8 +21,8 @@ namespace embree
                     && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
                     "surface and primID must have the same offsets in both headers");
 
-      /*! Returns the primitive of a triangle, and (u,v) of a point in it. form: MeshHeader::form. number: of the
-       *  triangle, see meshHasQuads. w1, w2: barycentric weights of its second and third corner. */
+      /*! Primitive of a triangle, and (u,v) of a point in it. form: MeshHeader::form. number: see meshHasQuads. w1, w2:
+       *  barycentric weights of the triangle's second and third corner. */
       __forceinline SurfacePoint pointOfMesh (uint32_t form, uint32_t number, float w1, float w2)
       {
         const bool isSecond = isSecondOfQuad(form,number);
@@ -36,15 +36,15 @@ namespace embree
       class CachedMeshBlock
       {
       public:
-        template<typename VertRay>
-        __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
+        template<typename RayOrRays>
+        __forceinline CachedMeshBlock (const RayOrRays&, const VertHeader* block)
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
             halves(cache.halves(block)) {}
 
-        /*! Returns the boxes of groups if they are in the cache, otherwise null. */
+        /*! Boxes of groups if they are in the cache, otherwise null. */
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Always true: a mesh block has no bounds besides those of its leaf, which the ray intersects. */
+        /*! Always true: a mesh block has only the bounds of its leaf, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORMAT); }
@@ -55,8 +55,8 @@ namespace embree
           return slot;
         }
 
-        /*! Returns triangles 16 half to 16 half + 15 of group g; decodes them if necessary. half: 0, or 1 if the group
-         *  has a second half (MeshTriangles::hasNextHalf). */
+        /*! Returns triangles 16 half to 16 half + 15 of group g; decodes them if necessary. half: 0, or 1 if half 0 has
+         *  hasNextHalf. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           MeshTriangles& at = halves[16*half+g];
@@ -64,7 +64,7 @@ namespace embree
           return at;
         }
 
-        /*! Returns the primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
+        /*! Primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
           return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
@@ -96,11 +96,11 @@ namespace embree
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      /*! GroupTriangles (triangles.h) of a mesh block: of both halves of a group. */
+      /*! GroupTriangles (triangles.h) of a mesh block's group. */
       class MeshGroupTriangles
       {
       public:
-        uint32_t mask; //!< bit h: the ray's line passes, or may pass, through triangle h
+        uint32_t mask; //!< bit h: the ray's line may pass through triangle h
 
         /*! Cached: CachedMeshBlock or MovingMeshBlock. */
         template<typename Cached>

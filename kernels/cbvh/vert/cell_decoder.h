@@ -4,8 +4,7 @@
 #pragma once
 
 /* SIMD decoder of a cVERT cell (cvert/format/cell.h): prediction from the corners, plus residuals. All numbers are
- * exact in float, so the result equals the integers of the scalar decoder (cvert/decoder/cell_vertices.h), with fused
- * operations or without. */
+ * exact in float, so the results equal those of the scalar decoder (cvert/decoder/cell_vertices.h), fused or not. */
 
 #include "quad_corners.h"
 #include "cache.h"
@@ -18,21 +17,21 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Loads x, y and z, 16 bits each. Lane 3 is the following 16 bits. */
+      /*! Loads x, y and z, 16 bits each. Lane 3 contains the next 16 bits. */
       __forceinline vfloat4 coordinatesAt (const void* p) {
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
-      /*! Loads corner c of VertHeader::corners or VertStep::corners. The mask selects the 14 bits of a coordinate; the
-       *  upper two bits are bits of spacings. Lane 3 is undefined. */
+      /*! Loads corner c of VertHeader::corners or VertStep::corners: 14 bits per coordinate, below two bits of
+       *  spacings. Lane 3 is undefined. */
       __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
         const __m128i coordinates =
           _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
         return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
       }
 
-      /*! Residuals, without slopes, from the fields' bits shift to shift+bits-1. Two shifts extend the sign. For 0
-       *  bits, the shift to the left by 32 returns 0. */
+      /*! Residuals, without slopes, from bits shift to shift+bits-1 of the fields. Two shifts extend the sign; for 0
+       *  bits, the shift by 32 returns 0. */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
@@ -51,13 +50,13 @@ namespace embree
           vfloat4::store(upper,c11);
         }
 
-        /*! Predictions on an axis, one per lane. x, y: weights of the upper corners (VertTables). */
+        /*! Predictions on an axis. x, y: weights of the upper corners (VertTables). */
         __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
           return vfloatV(k[axis])
             + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
-        /*! Coordinate of corner 11, which is the cell's last vertex. */
+        /*! Coordinate of corner 11, the cell's last vertex. */
         __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
 
       private:
@@ -68,8 +67,8 @@ namespace embree
       class CellBase
       {
       public:
-        /*! ofQuads: true for a group's cell, false for the block's first cell. quadsX, quadsY: numbers of quads along
-         *  the cell's sides. */
+        /*! ofQuads: true for a group's cell, false for the block's first cell. quadsX, quadsY: along the cell's
+         *  sides. */
         __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
           : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]),
             weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
@@ -112,7 +111,7 @@ namespace embree
         }
       };
 
-      /*! Decodes a cell. word: the cell's word. data: its fields. Base: the numbers to which residuals are added, a
+      /*! Decodes a cell. word, data: the cell's word and fields. Base: the numbers to which residuals are added, a
        *  CellBase or a class of motion_decoder.h. Out: CellLatticeOutput or CellWorldOutput. */
       template<typename Base>
       class CellDecoder
@@ -137,8 +136,8 @@ namespace embree
         }
 
       private:
-        /*! Decodes a cell whose residuals are stored as three arrays (isByAxis), as in rough blocks on fine lattices.
-         *  The decoder is a copy, so that the caller's members stay in registers. */
+        /*! Decodes a cell whose residuals are stored as three arrays (isByAxis). A copy of the decoder lets the
+         *  caller's members stay in registers. */
         template<typename Out>
         static __noinline void decodeByAxis (const CellDecoder cell, const Out out)
         {
@@ -149,8 +148,8 @@ namespace embree
           cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Decodes component i, which starts at bit `shift` of the fields. main: residuals along the main axis;
-         *  component 0 sets them, the others add their slope times them. */
+        /*! Decodes component i, which starts at bit `shift` of the fields. main: residuals along the main axis, which
+         *  component 0 sets; the others add their slope times them. */
         template<int i, typename Out>
         __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors],
                                       const Out& out) const
@@ -178,8 +177,8 @@ namespace embree
         CellDecoder<Base>(word,data,base).decode(out);
       }
 
-      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: its vertices. Quads outside of the region
-       *  get equal vertices, and are never hit. */
+      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: vertices of the block or step. Quads
+       *  outside of the region become degenerate, and are never hit. */
       __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy,
                                            CellVertices& out)
       {
@@ -192,8 +191,8 @@ namespace embree
           }
       }
 
-      /*! Adds remainders to the vertices of group (gx,gy), one by one, because few blocks have remainders. start: of
-       *  the block or step. remainders: their word. */
+      /*! Adds remainders to the vertices of group (gx,gy). Scalar, because few blocks have remainders. start: of the
+       *  block or step. remainders: their word. */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
                                             uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {

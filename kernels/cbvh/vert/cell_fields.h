@@ -4,8 +4,7 @@
 #pragma once
 
 /* SIMD extraction of the bit fields of a cVERT cell (cvert/format/cell.h). With AVX-512, two permutations select the
- * words of each field. Otherwise a byte shuffle per row of vertices does (VertTables::Windows). A scalar loop replaces
- * both where the instruction set or the number of bits has no faster way. */
+ * words of each field; otherwise a byte shuffle per row of vertices (VertTables::Windows), or else a scalar loop. */
 
 #include "tables.h"
 #include "../base/intrinsics.h"
@@ -21,8 +20,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Numbers of vectors: for all vertices of a cell, and for those in the lanes with fields. The last vertex, a
-       *  corner, has no field; vectors of 4 or 8 lanes would need one more vector for it. */
+      /*! Numbers of vectors: for all vertices of a cell, and for all but the last one, a corner without a field, for
+       *  which vectors of 4 or 8 lanes would need one vector more. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
@@ -31,8 +30,8 @@ namespace embree
       {
         vintV lanes[fieldVectors];
 
-        /*! data: start of the cell's fields. bits: per field. start: bit at which the first field starts. May read 8
-         *  bytes after the last field. */
+        /*! data: start of the cell's fields. bits: per field. start: first bit of the first field. May read 8 bytes
+         *  after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
@@ -48,7 +47,7 @@ namespace embree
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
-            // a field can extend into a second word; if it does not, the shift by 32 returns 0
+            // a field can extend into a second word; otherwise a shift by 32 returns 0
             lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),
               _mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
@@ -82,20 +81,20 @@ namespace embree
 
       private:
 #if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
-        /*! Loads window i, and selects bytes from it. */
+        /*! Selects bytes from window i. */
         static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int i,
                                            const uint8_t (*control)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),
             _mm_load_si128((const __m128i*)control[i]));
         }
 
-        /*! Fields of a row's first four columns, for fields of up to maxBitsOfFour bits. */
+        /*! Fields, of up to maxBitsOfFour bits, of a row's first four columns. */
         static __forceinline vint4 fieldsOfRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
           return _mm_srli_epi32(_mm_mullo_epi32(loadWindow(data,windows,row,windows.control),
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
-        /*! Fields of the fifth column's first four vertices; the first one is a corner without a field. */
+        /*! Fields of the fifth column's first four vertices. The first one is a corner and has none. */
         static __forceinline vint4 fieldsOfColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* SIMD decoder of a cVERT block (cvert/format/block.h): first what the groups share, then the vertices of a group at a
- * time. cached_block.h keeps the results. cvert/decoder/decoded_block.h is the scalar reference, whose vertices are the
- * same floats. */
+/* SIMD decoder of a cVERT block (cvert/format/block.h): first the data that groups share, then the vertices of one
+ * group at a time, for cached_block.h. Vertices are the floats of the scalar reference, cvert/decoder/decoded_block.h.
+ * */
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
@@ -17,9 +17,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each group's word. high:
-       *  the next 8 bits, or null if all are 0. begin: offset of the first group's fields. words, fields: output by
-       *  lane. May read 16 bytes at `high`, which every block has there. */
+      /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each word. high: the next 8
+       *  bits, or null if all are 0; 16 bytes may be read there. begin: offset of the first group's fields. words,
+       *  fields: output by lane. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
                                            const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
       {
@@ -86,7 +86,7 @@ namespace embree
             out.words,out.fields);
         }
 
-        /*! Decodes the vertices of the group in a lane, in world space. boxes: decode()'s output for this block. */
+        /*! Decodes the vertices of the group in a lane, in world space. boxes: output of decode(). */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
@@ -102,7 +102,7 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
-        /*! Converts coordinates, which are integers of at most 16 bits, to the packed form of the cache. */
+        /*! Packs coordinates, integers of at most 16 bits, for the cache. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The last step of intersecting a ray with a group: exact tests of the triangles that mayContain (rule.h) accepted, and
- * reports of their hits, which apply masks and filter functions (base/epilogues.h). */
+/* Exact tests of a group's triangles that mayContain (rule.h) accepted, and reports of their hits, which apply masks
+ * and filter functions (base/epilogues.h). */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -16,8 +16,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /* Access to a group of a cVERT block. cached_mesh.h and moving_mesh.h overload these functions for mesh blocks.
-       * Cached: as in VertIntersector1. g: lane of the group. h: triangle in the group, see VertTables::triangles. */
+      /* Access to a group of a cVERT block; cached_mesh.h and moving_mesh.h have overloads for mesh blocks. Cached: as
+       * in VertIntersector1. g: lane of the group. h: triangle in the group, see VertTables::triangles. */
 
       /*! Primitive and (u,v) of a hit. */
       template<typename Cached>
@@ -31,16 +31,16 @@ namespace embree
         return VertTriangle(cached.vertices(g),h);
       }
 
-      /*! Triangles of group g that the ray's line passes through, or may pass through: bit h of mask for triangle h. */
+      /*! Triangles of group g that the ray's line may pass through: bit h of mask for triangle h. */
       template<typename Cached>
       __forceinline GroupTriangles groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
         return GroupTriangles(ray,cached.vertices(g));
       }
 
-      /*! GroupTriangles of one ray of a packet, for which GroupTrianglesK stores no sides. */
+      /*! GroupTriangles of one ray of a packet, without sides. */
       struct TriangleMask { uint32_t mask; };
 
-      /*! Sides of triangle h, as the group's test stored them. */
+      /*! Sides of triangle h that the group's test stored. */
       template<typename Triangles>
       __forceinline VertTriangle::Sides sidesOf (const Triangles& triangles, const VertTriangle&, const VertRay&,
                                                  uint32_t h) {
@@ -55,13 +55,13 @@ namespace embree
       /*! Tests and reports hits of a ray in a block. Cached: as in VertIntersector1. Target: the ray, with
        *
        *    float tnear (), tfar ()
-       *      Current range of distances; tfar() decreases with each accepted hit.
+       *      Range of distances; each accepted hit decreases tfar().
        *    const SurfaceIDs& ids ()
-       *      Surface IDs of the scene.
+       *      Of the scene.
        *    bool needsHitData (block)
        *      See epilogues.h.
        *    bool report (block, primID, hit)
-       *      Reports a hit. Returns true if it is accepted. */
+       *      Returns true if the hit is accepted. */
       template<typename Target, typename Cached>
       class VertHits
       {
@@ -70,8 +70,8 @@ namespace embree
                                 const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. g: lane of the group.
-         *  triangles: result of groupTrianglesHitByLine for it, with a mask that is not 0. */
+        /*! Reports hits in group g, nearest first, until one is accepted. Returns true if one was. triangles: of
+         *  groupTrianglesHitByLine; the mask must not be 0. */
         template<typename Triangles>
         __forceinline bool report (uint32_t g, const Triangles& triangles)
         {
@@ -91,8 +91,7 @@ namespace embree
         }
 
       private:
-        /*! Reports hits in any order, without distance, normal and (u,v). Computes no distance if the whole triangle is
-         *  between tnear and tfar. */
+        /*! Reports hits in any order, without distance, normal and (u,v). */
         template<typename Triangles>
         __forceinline bool reportAny (uint32_t g, const Triangles& triangles)
         {
@@ -111,7 +110,7 @@ namespace embree
           return false;
         }
 
-        /*! report() for several triangles. A rejected hit requires the next one, so it computes all distances first. */
+        /*! report() for several triangles. A rejected hit requires the next one, so all distances come first. */
         bool reportNearest (uint32_t g, uint32_t triangles)
         {
           float t[32];
@@ -136,8 +135,8 @@ namespace embree
           return false;
         }
 
-        /*! True if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit. exact:
-         *  distance. number: of the triangle, see NearestVertHit. Sets t to the rounded distance. */
+        /*! True if the hit is between tnear and tfar, or at tfar with precedence over the nearest hit. Sets t to the
+         *  rounded distance. exact: distance. number: NearestVertHit::triangle. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* hits1.h for packets of K rays. Rays that are inside exactly one triangle, as most rays are, are processed together.
- * Other rays, and rays with uncertain hits, are processed one by one. */
+/* hits1.h for packets of K rays. Rays with exactly one triangle, which most have, are processed together; the others,
+ * and rays with uncertain hits, one by one. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/double4.h"
@@ -46,7 +46,7 @@ namespace embree
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
         /*! Returns the rays that accepted a hit in group g. mask: rays with triangles. triangles:
-         *  GroupTrianglesK::mask. kz: axis along which all rays of the mask have their largest direction. */
+         *  GroupTrianglesK::mask. kz: of all rays of the mask. */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
@@ -62,25 +62,25 @@ namespace embree
           return accepted;
         }
 
-        /*! Returns true if ray k accepted a hit in group g. triangles: as in VertHits::report. */
+        /*! VertHits::report for ray k. */
         template<typename Triangles>
         __noinline bool report (size_t k, uint32_t g, const Triangles& triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,
+          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.ray(k),vertRays.nearest(k),block,
             cached).report(g,triangles);
         }
 
       private:
-        /*! One triangle per ray, and the intersection of its plane with the ray, in double precision. Rays that are not
-         *  in the mask have triangles of zeros. */
+        /*! One triangle per ray, and the intersection of its plane with the ray. Triangles of rays outside of the mask
+         *  are zeros. */
         struct Triangles
         {
           alignas(64) float vertices[3][3][K]; //!< [axis][vertex][ray]
           alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K]; //!< set by intersectPlanes, as the following members
-          uint32_t isHit;   //!< mask of rays with an intersection not before tnear
-          uint32_t inPlane; //!< mask of rays for which the plane does not determine the distance, see isPlaneDecisive
+          uint32_t isHit;   //!< rays with an intersection not before tnear
+          uint32_t inPlane; //!< rays that lie in the plane, see isPlaneDecisive
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -116,7 +116,7 @@ namespace embree
             }
           }
 
-          /*! Mask of rays whose whole triangle is between tnear and tfar. */
+          /*! Rays whose entire triangle is between tnear and tfar. */
           __forceinline uint32_t entirelyInRange (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
                                           const vfloat<K>& tfar) const
           {
@@ -157,9 +157,9 @@ namespace embree
           };
         };
 
-        /*! Processes rays with one triangle each together. Returns the mask of rays that are done, and adds those with
-         *  an accepted hit to `accepted`. The others must be processed one by one: they may be in the triangle only due
-         *  to rounding, lie in its plane, or have a hit at the same distance. */
+        /*! Processes rays with one triangle each together. Returns the rays that are done, and adds those with an
+         *  accepted hit to `accepted`. The others need single tests: a side may have rounded to 0, the ray may lie in
+         *  the triangle's plane, or another hit may have the same distance. */
         uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
           Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
@@ -170,7 +170,7 @@ namespace embree
           {
             const uint32_t certain = mask & uint32_t(movemask(haveExactSigns(sides)))
               & batch.entirelyInRange(vertRays,kz,rays.tnear(),tfar);
-            const vfloat<K> unused(zero); // no function reads the hit, see needsHitData
+            const vfloat<K> unused(zero); // see needsHitData
             const vbool<K> lanes = vbool<K>(int(certain));
             accepted |= uint32_t(movemask(lanes
               & cbvh::report(rays,lanes,context,block->surface,block->primID,
@@ -211,7 +211,7 @@ namespace embree
           return done;
         }
 
-        /*! Reports hits in a block whose quads have primitive numbers, one by one. Returns rays that accepted it. */
+        /*! Reports hits in a block whose quads have primitive numbers. Returns the rays that accepted one. */
         uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
                             const vfloat<K>& t, const Vec3vf<K>& Ng)
         {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Interpolation of vertices and planes between the ends of a segment, two consecutive time steps. */
+/* Interpolation of vertices and planes in a segment, the time between two steps. */
 
 #include "../base/vectors.h"
 #include "tables.h"
@@ -20,12 +20,12 @@ namespace embree
         const vfloatV weightOfBegin, weightOfEnd;
         __forceinline explicit Interpolator (float fraction) : weightOfBegin(1.0f-fraction), weightOfEnd(fraction) {}
 
-        /*! Rounds as Embree's lerp, so that vertices are the floats that Embree's own kernels compute. */
+        /*! Rounds as Embree's lerp, so that vertices are those of Embree's own kernels. */
         __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const {
           return madd(weightOfBegin,a,weightOfEnd*b);
         }
 
-        /*! Interpolates arrays. All arrays must be aligned to vectors, and padded to a multiple of vectors. */
+        /*! Interpolates arrays, which must be aligned to vectors and padded to whole vectors. */
         __forceinline void interpolate (const float* a, const float* b, uint32_t count, float* out) const {
           for (uint32_t l=0; l<count; l+=vectorWidth)
             vfloatV::store(out+l,(*this)(vfloatV::load(a+l),vfloatV::load(b+l)));

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups front to
- * back, then triangles. traversal/leaf_intersectors1.h calls it for the leaves that a ray reaches. */
+ * back, then triangles. traversal/leaf_intersectors1.h calls it. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -34,17 +34,17 @@ namespace embree
         }
       };
 
-      /*! Returns the mask of groups whose boxes the ray intersects between tnear and tfar. enter: receives the distance
-       *  at which the ray enters each group's box. */
+      /*! Returns the mask of groups whose boxes the ray intersects between tnear and tfar. enter: receives the ray's
+       *  entry distance of each box. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
                                                   const GroupBoxes& boxes, float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
-        // GCC keeps arrays of four vectors in registers only if all loops over them are unrolled early.
+        // GCC keeps arrays of four vectors in registers only if all loops over them are unrolled early
         vfloatV tNear[vectors], tFar[vectors];
 #pragma GCC unroll 4
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        // `isNegative` is an index of planes, because a branch would often be mispredicted
+        // isNegative: an index of planes, because a branch would often be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
           uint32_t isNegative) {
           const float* near = planes.at[isNegative];
@@ -92,14 +92,13 @@ namespace embree
         return g;
       }
 
-      /*! Cached: access to the decoded block, one of CachedVertBlock, MovingVertBlock, CachedMeshBlock and
-       *  MovingMeshBlock. */
+      /*! Cached: CachedVertBlock, MovingVertBlock, CachedMeshBlock or MovingMeshBlock. */
       template<typename RayType, typename Cached>
       class VertIntersector1
       {
       public:
-        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. at: the time, as the
-         *  constructors of moving blocks require it. */
+        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. at: a moving block's
+         *  TimeInMotion. */
         template<typename... At>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay,
                                              const VertHeader* block, const At&... at)
@@ -145,8 +144,8 @@ namespace embree
         alignas(64) float enter[16]; //!< entry distance of each group's box
       };
 
-      /* The following functions return true if a hit was accepted. They are not inlined, so that traversal keeps its
-       * ray in registers. */
+      /* These functions return true if a hit was accepted. They are not inlined, so that traversal keeps its ray in
+       * registers. */
 
       template<typename RayType>
       __noinline bool intersectVert (RayType& ray, IntersectContext* context, VertRay& vertRay,

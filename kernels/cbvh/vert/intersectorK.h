@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of cVERT blocks for packets. Interval arithmetic over all rays culls boxes of groups. The remaining
- * boxes, and triangles, are tested with one ray per lane. */
+/* Intersector of cVERT blocks for packets. Interval arithmetic over all rays culls boxes of groups; the others, and
+ * triangles, are tested with one ray per lane. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -28,8 +28,8 @@ namespace embree
         }
 
       private:
-        /*! Largest number of rays that test a group's triangles one after the other, with quads in lanes. More rays
-         *  test them together, with rays in lanes. */
+        /*! Up to this number, rays test a group's triangles one by one, with quads in lanes; more rays together, with
+         *  rays in lanes. */
         static const size_t maxSeparateRays = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
@@ -60,7 +60,7 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds of their values. */
+        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds over all rays. */
         struct Axis
         {
           vfloat<K> org, rcp, slack;
@@ -80,8 +80,8 @@ namespace embree
           __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[isNegative]; }
           __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!isNegative]; }
 
-          /*! Lower bound of all rays' entry distances, one box per lane; leave() returns the upper bound of their exit
-           *  distances. Conservative: rounding is monotonic, so no ray enters earlier or leaves later. */
+          /*! Lower bound of all rays' entry distances, one box per lane; leave(): upper bound of their exit distances.
+           *  Rounding is monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
             const vfloatV d = planes - vfloatV(isNegative ? orgLow : orgHigh), slack(slackHigh);
@@ -102,8 +102,8 @@ namespace embree
           }
         };
 
-        /*! Intersects the block with the rays of a mask, which have the same class. rayClass: see VertRays; bit 5 is
-         *  set if the direction along the sheared axis is negative. */
+        /*! Intersects the block with rays of the same class. rayClass: see VertRays. Bit 5 is set if the direction
+         *  along the sheared axis is negative. */
         void intersectTogether (uint32_t mask, uint32_t rayClass)
         {
           vbool<K> lanes = vbool<K>(int(mask));
@@ -128,7 +128,7 @@ namespace embree
           }
         }
 
-        /*! Returns the mask of groups whose boxes some ray may intersect. Sets `enter`. */
+        /*! Mask of groups whose boxes some ray may intersect. Sets `enter`. */
         __forceinline uint32_t intersectBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
@@ -166,7 +166,7 @@ namespace embree
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              const GroupTriangles triangles(vertRays.at(k),cached.vertices(g));
+              const GroupTriangles triangles(vertRays.ray(k),cached.vertices(g));
               if (triangles.mask && hits.report(k,g,triangles)) accepted |= 1u << k;
             }
             return accepted;

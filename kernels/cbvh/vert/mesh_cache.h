@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoded mesh blocks (cvert/format/mesh_block.h) in the cache of a thread (base/thread_cache.h), in two parts as in
- * cache.h: the boxes of a block's groups, and the triangles of half a group. */
+/* Decoded mesh blocks (cvert/format/mesh_block.h) in the cache of a thread (base/thread_cache.h). As in cache.h, a
+ * block's boxes and the triangles of each half group have separate entries. */
 
 #include "../base/codec.h"
 #include "../../cvert/format/mesh_block.h"
@@ -14,13 +14,12 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Data of a block that its groups share: boxes, and the bits at which the groups' data begin. Group g is in lane
-     *  g. */
+    /*! Data of a block that its groups share: boxes, and where the groups' data begin. Group g is in lane g. */
     struct MeshBoxes : public GroupBoxes
     {
       const void* block;             //!< block that the boxes belong to, or null
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections
-      /* first bits of each group's data, from the start of the section */
+      /* first bits of each group's data in the section */
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
       alignas(16) uint16_t firstVertex[16]; //!< of each group; 0x7FFF in lanes without a group
@@ -28,18 +27,17 @@ namespace embree
       alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of each group: on x, y and z, and in total
       alignas(64) uint32_t lower[3][16];    //!< [axis][group]: coordinates to which vertex fields are relative
 
-      /*! First bit, in the block, of vertex v, which belongs to group g. fieldBitOfVertex0: where vertex 0 would be
-       *  if it belonged to the group, modulo 2^16. */
+      /*! First bit in the block of vertex v, which belongs to group g. fieldBitOfVertex0: of vertex 0, if it belonged
+       *  to the group, modulo 2^16. */
       __forceinline uint32_t fieldBitOfVertex (uint32_t v, uint32_t g) const {
         return verticesBegin + uint16_t(fieldBitOfVertex0[g] + v*fieldBits[3][g]);
       }
     };
 
-    /*! World positions of a group's vertices: [axis][vertex]. Lanes after the last vertex are undefined. */
+    /*! World positions of a group's vertices: [axis][vertex]. Other lanes are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
-    /*! Half a group: up to 16 triangles, one per lane, and all vertices of the group. Half h contains triangles 16 h to
-     *  16 h + 15. */
+    /*! Triangles 16 h to 16 h + 15 of a group, half h, one per lane, and all vertices of the group. */
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
@@ -53,8 +51,8 @@ namespace embree
     };
     static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
-    /*! Key of a half in the cache. half: number of the group, plus 16 for the second half. Unique, because blocks have
-     *  at least 32 bytes. */
+    /*! Key of a half in the cache. half: group, plus 16 for the second half. Unique, because blocks have at least 32
+     *  bytes. */
     __forceinline size_t keyOfHalf (const void* block, uint32_t half) { return size_t(block) + half; }
 
     class MeshEntries
@@ -63,8 +61,8 @@ namespace embree
       /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
       __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
 
-      /*! The 32 slots of a block's halves of groups, in the order of keyOfHalf. If a key differs, the caller must fill
-       *  the slot and set its key. */
+      /*! The 32 slots of a block's halves, in the order of keyOfHalf. If a key differs, the caller must fill the slot
+       *  and set its key. */
       __forceinline MeshTriangles* halves (const void* block) { return &groups[groups.slot(slotOfBlock(block,64))]; }
 
       void clear ()
@@ -80,31 +78,30 @@ namespace embree
 
     /* --- moving blocks --- */
 
-    /*! Vertex fields of a block at a time step after the first: differences from predictions, see mesh_motion.h. */
+    /*! Vertex fields of a block at a time step after the first (mesh_motion.h). */
     struct MeshStepFields
     {
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
-      uint8_t bits[3][16];        //!< bits of a field, by axis and group
-      uint32_t base[3][16];       //!< numbers to add to fields, by axis and group
+      uint8_t bits[3][16];        //!< of a field, by axis and group
+      uint32_t base[3][16];       //!< to add to fields, by axis and group
     };
 
-    /*! Data of a segment that groups share: boxes at both ends, between which callers interpolate. No axis is
-     *  sheared. */
+    /*! Data of a segment that groups share: boxes at both ends. No axis is sheared. */
     struct SegmentMeshBoxes
     {
-      SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< of the block, at both ends
-      float extent[3];           //!< at least the distance of vertices and planes from the origin, at all times
-      GroupPlanes ends[2][3];    //!< at both ends, by axis
-      MeshStepFields steps[2];   //!< at both ends; undefined for the block's first step
-      MeshBoxes first;           //!< positions of groups in the block, and boxes at the first step
+      SegmentKey key;            //!< of the block
+      float origins[2][3];       //!< of the block
+      float extent[3];           //!< as VertAxes::extent, at all times
+      GroupPlanes ends[2][3];    //!< by end and axis
+      MeshStepFields steps[2];   //!< undefined for the block's first step
+      MeshBoxes first;           //!< where groups begin in the block, and boxes at the first step
     };
 
     /*! Half a group, at the ends of a segment. */
     struct SegmentTriangles
     {
-      SegmentKey key;            //!< key of the half; its lane is `half` of keyOfHalf
+      SegmentKey key;            //!< of the half; the lane is `half` of keyOfHalf
       MeshTriangles begin;       //!< `key` is unused
       MeshVertices end;          //!< the triangles are those of `begin`
     };

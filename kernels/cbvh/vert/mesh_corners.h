@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Tests half a group of a mesh block: which triangles a ray's line passes through, with triangles in lanes. The cache
- * contains vertices rather than corners of triangles, because it then holds more groups. Therefore each test shears the
- * vertices and permutes them into corners. */
+/* Tests which triangles of half a group a ray's line may pass through, with triangles in lanes. The cache contains
+ * vertices rather than corners, because it then holds more groups; each test shears them and permutes them into
+ * corners. */
 
 #include "mesh_cache.h"
 #include "ray.h"
@@ -16,8 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Vertices of a group in the sheared space in which the ray is the z axis (rule.h). capacity: at least the
-       *  number of vertices. */
+      /*! Vertices of a group in the sheared space in which the ray is the z axis (rule.h). capacity: of vertices. */
       template<int capacity>
       class ShearedMesh
       {
@@ -125,8 +124,7 @@ namespace embree
         return lanesOf(inside) & triangles.lanes;
       }
 
-      /*! Returns the mask of triangles that the ray's line passes through, or may pass through. Sets the sides of all
-       *  lanes. */
+      /*! Returns the mask of triangles that the ray's line may pass through. Sets the sides of all lanes. */
       __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles,
                                                  SidesInLanes& sides)
       {

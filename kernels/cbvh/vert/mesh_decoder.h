@@ -3,12 +3,10 @@
 
 #pragma once
 
-/* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first what the groups share, then half a group at a time.
- * cached_mesh.h keeps the results. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the
- * block.
+/* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
+ * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block.
  *
- * docs/formats/mesh_block.md defines restarts, fans, turns, news and owns: bit masks that determine how a group's
- * triangles form strips, which entries of the vertex stream are new, and which vertices belong to the group. */
+ * docs/formats/mesh_block.md defines restarts, fans, turns, news, owns, repeats and others. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -39,7 +37,7 @@ namespace embree
           decodeGroupOffsets(groups,out);
         }
 
-        /*! Decodes half of group g. boxes: decode()'s output for this block. Does not set out.key. */
+        /*! Decodes half of group g. boxes: output of decode(). Does not set out.key. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
@@ -69,7 +67,7 @@ namespace embree
           decodeStripsSerially(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
-        /*! Returns the number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
+        /*! Number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
         __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -80,7 +78,7 @@ namespace embree
         }
 
       protected:
-        /*! Reader of a block's bits, from bit `bit` on. */
+        /*! Reads a block's bits, from `bit` on. */
         struct BitReader
         {
           const uint8_t* data;
@@ -88,7 +86,7 @@ namespace embree
 
           __forceinline BitReader (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
 
-          /*! The next 57 bits. BitReader above them are undefined. */
+          /*! The next 57 bits; higher ones are undefined. */
           __forceinline uint64_t peek () const
           {
             uint64_t word;
@@ -105,15 +103,14 @@ namespace embree
           }
         };
 
-        /*! The last triangle of a strip, as numbers of vertices in the group. isFlipped: its orientation is the reverse
-         *  of (a,b,c). */
+        /*! The last triangle of a strip, as vertices of the group. isFlipped: its orientation is the reverse of
+         *  (a,b,c). */
         struct Strip
         {
           uint32_t a = 0, b = 1, c = 2;
           bool isFlipped = false;
 
-          /*! Adds a triangle with the stream's next vertex and the last one. Its third vertex is the first one of the
-           *  triangle before if isFan, otherwise the second one. */
+          /*! Adds the triangle (a,c,vertex) of a fan, otherwise (b,c,vertex). */
           void add (uint32_t vertex, bool isFan)
           {
             if (!isFan) a = b;
@@ -122,7 +119,7 @@ namespace embree
             isFlipped ^= !isFan;
           }
 
-          /*! Corners in the application's order, 8 bits each. turn: corner that comes first, 0 to 2. */
+          /*! Corners in the application's order, 8 bits each. turn: first corner, 0 to 2. */
           uint32_t corners (uint32_t turn) const
           {
             const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
@@ -130,8 +127,8 @@ namespace embree
           }
         };
 
-        /*! Decodes triangles `first` to first+15 of a group, one after the other. count: triangles of the group. news:
-         *  of entries after the first three, which are always new. repeats: numbers of entries that are not new. */
+        /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. news: without the first
+         *  three entries, which are always new. */
         static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
                                           uint64_t turns, uint64_t news, BitReader repeats, uint32_t repeatBits,
                                           uint8_t (*corners)[16])
@@ -187,16 +184,15 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! decodeStripsSerially for up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new, with
-         *  one byte lane per triangle. Bit 0 of `restarts` must be set. news: of all entries. repeats: fields of
-         *  repeatBits bits with the numbers of entries that are not new. */
+        /*! decodeStripsSerially for up to 16 triangles, one per byte, whose stream has up to 32 entries, up to 8 of
+         *  them not new. Bit 0 of `restarts` must be set. news: of all entries. */
         static __forceinline void decodeStripsInParallel (uint32_t restarts, uint32_t fans, uint32_t turns,
                                                           uint32_t news, uint64_t repeats, uint32_t repeatBits,
                                                           uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          // `repeated`: the fields of `repeats`, one byte each
+          // repeated: the fields of `repeats`, one byte each
           const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
           const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
           const __m256i first = _mm256_srlv_epi64(fields,shifts),
@@ -208,7 +204,7 @@ namespace embree
           const __m128i repeated = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           __m128i entries[2];
-          __m128i before = _mm_setzero_si128(); // number of new entries in the first half
+          __m128i before = _mm_setzero_si128(); // new entries in the first half
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
@@ -222,12 +218,12 @@ namespace embree
               _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
           };
 
-          /* A restart has three entries instead of one. `last` is the entry of a triangle's last vertex, `oldest` the
-           * entry of its first one, which fans keep from the triangle before. */
+          /* A restart has three entries instead of one. last, oldest: entries of a triangle's last and first vertex. A
+           * fan keeps the first one. */
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,prefixSumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i oldest = prefixMaximaOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
-          // triangles with the reverse orientation of the one before: they neither continue a fan nor start a strip
+          // triangles that neither continue a fan nor start a strip reverse the orientation of the one before
           const __m128i flips = prefixSumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i flipsSinceStart = _mm_sub_epi8(flips,prefixMaximaOfBytes(_mm_and_si128(starts,flips)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(flipsSinceStart,one),one);
@@ -254,12 +250,11 @@ namespace embree
           return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
         }
 
-        /*! True if one of the two slopes of the shear is not 0. */
+        /*! True if a slope of the shear is not 0. */
         __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
 
-        /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slopes times the ratio of
-         *  spacings on the others. If a ratio exceeds 2^maxRatio, boxes have no sheared axis and are unbounded
-         *  there. */
+        /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
+         *  on the others. If a ratio exceeds 2^maxRatio, no axis is sheared, and boxes are unbounded on that axis. */
         __forceinline void setAxes (MeshBoxes& out) const
         {
           out.axis = 3;
@@ -275,7 +270,7 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< largest ratio of two spacings for a sheared axis, as an exponent
+        static const int maxRatio = 30; //!< as an exponent
 
         /*! Exponent of the ratio of the spacings on axis m and on the i-th axis after it. */
         __forceinline int exponentRatio (int m, int i) const
@@ -288,13 +283,13 @@ namespace embree
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
-          float reach[3]; // upper bounds of coordinates
+          float maxCoordinate[3];
           for (int k=0; k<3; k++)
           {
             const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
             if (unlikely(hasRanks(block->spacings,uint32_t(k)))) {
               decodeRankedBoxes(k,bytes,groups,shift,out);
-              reach[k] = 0.0f;
+              maxCoordinate[k] = 0.0f;
               continue;
             }
             const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->form);
@@ -309,19 +304,20 @@ namespace embree
               vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
               vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
             }
-            reach[k] = float(256u << shift); // a plane's byte plus an extent's byte plus 1 is at most 256
-            out.extent[k] = reach[k]*meshSpacing(block->spacings,uint32_t(k));
+            maxCoordinate[k] = float(256u << shift); // bytes of plane and extent, plus 1, are at most 256
+            out.extent[k] = maxCoordinate[k]*meshSpacing(block->spacings,uint32_t(k));
           }
           if (likely(!isSheared())) return;
           const int m = int(meshShearedAxis(block->form));
           for (int i=1; i<3; i++)
-            reach[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)*reach[axisAfter(m,i)];
-          out.extent[m] = (reach[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
+            maxCoordinate[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)
+              *maxCoordinate[axisAfter(m,i)];
+          out.extent[m] = (maxCoordinate[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
           if (unlikely(out.axis == 3))
             for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
         }
 
-        /*! decodeBoxes on an axis whose coordinates count floats (hasRanks). */
+        /*! decodeBoxes on an axis of ranks (hasRanks). */
         void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBoxes& out) const
         {
           const uint32_t origin = rankOfFloat(block->origin[k]);
@@ -348,7 +344,7 @@ namespace embree
 #endif
         }
 
-        /*! Number of bits of each byte: 0 for 0, 8 for 128 to 255. */
+        /*! Bits of each byte: 0 for 0, 8 for 128 to 255. */
         static __forceinline __m128i lengthsOf (__m128i bytes)
         {
 #if defined(__SSSE3__)
@@ -365,7 +361,7 @@ namespace embree
 #endif
         }
 
-        /*! Stores exclusive prefix sums of 16 numbers. Returns the sum of all. */
+        /*! Stores exclusive prefix sums of 16 numbers. Returns the total. */
         static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
         {
           uint32_t before = 0;
@@ -381,8 +377,8 @@ namespace embree
           return before;
         }
 
-        /*! Finds where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h) does. All sums have less
-         *  than 16 bits. */
+        /*! Sets where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h). All sums have less than 16
+         *  bits. */
         __forceinline void decodeGroupOffsets (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
@@ -390,14 +386,14 @@ namespace embree
           const __m128i none = _mm_setzero_si128(), group = _mm_loadu_si128((const __m128i*)block->groups);
 
           // a field has the bits of the extent and of the shift
-          __m128i bits[3], all = none;
+          __m128i bits[3], bitsPerVertex = none;
           for (uint32_t k=0; k<3; k++) {
             const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
             bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
-            all = _mm_add_epi8(all,bits[k]);
+            bitsPerVertex = _mm_add_epi8(bitsPerVertex,bits[k]);
           }
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)out.fieldBits[k],bits[k]);
-          _mm_store_si128((__m128i*)out.fieldBits[3],all);
+          _mm_store_si128((__m128i*)out.fieldBits[3],bitsPerVertex);
 
           const uint8_t* const records = bytes + layout.records;
           const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
@@ -411,10 +407,10 @@ namespace embree
             baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
           for (int half=0; half<2; half++)
           {
-            auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
+            auto toWords = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
             const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
               isPresent = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
-            const __m128i sizes = wide(group), r = record[half],
+            const __m128i sizes = toWords(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(sizes,fiveBits),_mm_set1_epi16(1)),
               entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
@@ -425,11 +421,11 @@ namespace embree
             // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
-            sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),
               _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),vertexCount[half])));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(vertexCount[half],own[half])));
             topology[half] = _mm_and_si128(sum,isPresent);
-            vertices[half] = _mm_mullo_epi16(own[half],wide(all));
+            vertices[half] = _mm_mullo_epi16(own[half],toWords(bitsPerVertex));
             numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isPresent);
           }
           out.topologyBegin = 8*layout.topology;
@@ -440,13 +436,13 @@ namespace embree
           for (int half=0; half<2; half++) {
             __m128i* const zero = (__m128i*)out.fieldBitOfVertex0 + half;
             const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
-              size = half ? _mm_unpackhi_epi8(all,none) : _mm_unpacklo_epi8(all,none);
+              size = half ? _mm_unpackhi_epi8(bitsPerVertex,none) : _mm_unpacklo_epi8(bitsPerVertex,none);
             _mm_store_si128(zero,_mm_sub_epi16(_mm_load_si128(zero),_mm_mullo_epi16(first,size)));
           }
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
         }
 
-        /*! Group to which vertex v of the block belongs: the last one that does not begin after it. */
+        /*! Group to which vertex v of the block belongs: the last that does not begin after it. */
         static __forceinline uint32_t groupOfVertex (const MeshBoxes& boxes, uint32_t v)
         {
           const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)boxes.firstVertex;
@@ -455,8 +451,7 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
-        /*! Reads the coordinates of a vertex that belongs to group g. bit: first bit of its fields. i: lane to store
-         *  to. */
+        /*! Reads the coordinates of a vertex that belongs to group g. bit: first bit of its fields. i: output lane. */
         __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
                                        uint32_t i) const
         {
@@ -473,8 +468,8 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of group g. owns: mask of those that belong to the group. others: numbers, in the
-         *  block, of those that belong to other groups. */
+        /*! Decodes the vertices of group g. owns: mask of its own. others: numbers in the block of other groups'
+         *  vertices. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
                                            BitReader others, MeshVertices& out) const
         {
@@ -494,7 +489,7 @@ namespace embree
           }
         }
 
-        /*! Sets coordinates on the block's axes, before the shear is subtracted. Parameters: as above. */
+        /*! Sets coordinates, before the shear is subtracted. Parameters: as above. */
         __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
                                             BitReader others, uint32_t (*coordinates)[32]) const
         {
@@ -542,18 +537,18 @@ namespace embree
           }
         };
 
-        /*! 16-bit words from their lower and upper bytes. bytesOfWords returns the lower bytes again, if words <
-         *  256. */
+        /*! 16-bit words from their lower and upper bytes. */
         static __forceinline __m256i wordsOfBytes (__m128i lower, __m128i upper) {
           return _mm256_set_m128i(_mm_unpackhi_epi8(lower,upper),_mm_unpacklo_epi8(lower,upper));
         }
 
+        /*! Requires words < 256. */
         static __forceinline __m128i bytesOfWords (__m256i words) {
           return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
         }
 
-        /*! Reads numbers of other groups' vertices: `count` fields of otherBits bits. Returns one number per byte of
-         *  `rank`, which is the index of the field to return. */
+        /*! Reads `count` fields of otherBits bits: numbers of other groups' vertices. Returns the field with the index
+         *  that each byte of `rank` contains. */
         static __forceinline __m256i readOthers (BitReader others, uint32_t otherBits, uint32_t count, __m128i rank)
         {
           // field k becomes 16-bit word 4 (k mod 4) + k/4; a byte of -2 or -1 in a shuffle returns 0
@@ -572,8 +567,8 @@ namespace embree
             _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
         }
 
-        /*! readCoordinates for up to 16 vertices of a group, if no group has fields of more than 57 bits. first:
-         *  number, in the block, of the first own vertex. Stores to lanes from n on. */
+        /*! readCoordinates for up to 16 vertices, if no group has more than 57 bits per vertex. first: number in the
+         *  block of the first own vertex. n: first output lane. */
         __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t vertexCount, uint32_t owns,
                                         BitReader others, uint32_t otherBits, uint32_t (*coordinates)[32],
                                         uint32_t n) const
@@ -589,7 +584,7 @@ namespace embree
             _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
             _mm256_cvtepi8_epi16(isOwn)));
 
-          // the group of each vertex: subtracts one for each group that begins after it
+          // the group of each vertex: 15 minus the groups that begin after it
           __m256i groups = _mm256_set1_epi16(15);
           for (int g=1; g<16; g++)
             groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(boxes.firstVertex[g])),vertex));
@@ -598,7 +593,7 @@ namespace embree
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
-          // first bits of fields, see fieldBitOfVertex
+          // see fieldBitOfVertex
           const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldBitOfVertex0),
             byte = _mm256_set1_epi16(255);
           const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),

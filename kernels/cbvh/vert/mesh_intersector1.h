@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Single-ray intersectors of mesh blocks, at rest and moving: VertIntersector1 with access to their triangles. */
+/* Single-ray intersectors of mesh blocks, at rest and moving. */
 
 
 #include "cached_mesh.h"
@@ -16,14 +16,13 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns true if a hit was accepted. block: a MeshHeader. Not inlined, so that traversal keeps its ray in
-       *  registers. */
+      /*! As intersectVert. block: a MeshHeader. */
       template<typename RayType>
       __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
         return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
       }
 
-      /*! As above, for a moving block at the ray's time. */
+      /*! As intersectMovingVert. block: a MeshHeader. */
       template<typename RayType>
       __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
       {

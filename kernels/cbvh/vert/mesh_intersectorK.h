@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of mesh blocks for packets. Tests the rays one by one, each with triangles in lanes. */
+/* Intersector of mesh blocks for packets: one ray after the other, with triangles in lanes. */
 
 #include "hitsK.h"
 #include "mesh_intersector1.h"
@@ -38,8 +38,8 @@ namespace embree
                                                 VertRays<K>& vertRays, const VertHeader* block,
                                                 const CachedMeshBlock& cached)
         {
-          // at() leaves the members for box tests unset
-          VertRay ray = vertRays.at(k);
+          // ray() does not set members for boxes
+          VertRay ray = vertRays.ray(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largestComponent = vertRays.largestComponent[k];
           ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends: first the boxes of all
- * groups, then half a group at a time. moving_mesh.h keeps the results and interpolates. Boxes have no sheared axis,
- * because steps have different spacings. cvert/decoder/mesh_step_view.h is the scalar reference. */
+ * groups, then half a group at a time, for moving_mesh.h. Boxes have no sheared axis, because steps have different
+ * spacings. cvert/decoder/mesh_step_view.h is the scalar reference. */
 
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
@@ -40,8 +40,7 @@ namespace embree
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
         }
 
-        /*! Decodes half of group g at both ends. boxes: decode()'s output for the segment, with `key` set. Does not set
-         *  out.key. */
+        /*! Decodes half of group g at both ends. boxes: output of decode(), with `key` set. Does not set out.key. */
         void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
           MeshDecoder::triangles(boxes.first,g,half,out.begin);
@@ -59,8 +58,8 @@ namespace embree
         }
 
       private:
-        /*! Sets the planes on axis k at a step; null for the first step. extent: raised to the largest distance of a
-         *  plane from the origin. */
+        /*! Sets the planes on axis k at a step; null for the first step. extent: raised to their largest distance from
+         *  the origin. */
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
@@ -92,25 +91,24 @@ namespace embree
           return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0 && k == meshShearedAxis(block->form);
         }
 
-        /*! Replaces bounds of a group's sheared coordinates on axis m by bounds of its coordinates. values: lower
-         *  bound, and upper bound plus 1. */
+        /*! Converts bounds of sheared coordinates on axis m to bounds of coordinates. values: lower bound, upper bound
+         *  plus 1. */
         void unshear (uint32_t m, uint32_t g, int values[2]) const
         {
-          int least = 8, most = 8; // sums of the shear, in 1/16; 8 rounds to nearest
+          int minShear = 8, maxShear = 8; // sums of the shear, in 1/16; 8 rounds to nearest
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
             const int slope = meshSlope(block->form,i), lower = int(plane(nullptr,k,g) << shift),
               upper = lower + int((plane(nullptr,3+k,g)+1) << shift) - 1;
-            least += slope*(slope < 0 ? upper : lower);
-            most += slope*(slope < 0 ? lower : upper);
+            minShear += slope*(slope < 0 ? upper : lower);
+            maxShear += slope*(slope < 0 ? lower : upper);
           }
-          values[0] -= most >> 4;
-          values[1] -= least >> 4;
+          values[0] -= maxShear >> 4;
+          values[1] -= minShear >> 4;
         }
 
-        /*! Byte of group g in the boxes of a step; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for
-         *  extents. */
+        /*! Byte of a step's box of group g; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for extents. */
         uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
         {
           const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->form).boxes
@@ -118,7 +116,7 @@ namespace embree
           return boxes[i*groups+g];
         }
 
-        /*! Decodes where the fields of all groups begin, and their bases, at a step after the first. */
+        /*! Decodes where the groups' fields begin, and their bases, at a step after the first. */
         void decodeFields (const MeshStep& step, MeshStepFields& out) const
         {
           const MeshStepLayout layout = meshStepLayout(groups,step.form);
@@ -143,7 +141,7 @@ namespace embree
           }
         }
 
-        /*! For each vertex of a group, the group to which it belongs, and its index among that group's own vertices. */
+        /*! For each vertex of a group, its owner and its index among the owner's vertices. */
         struct VertexOwners
         {
           uint32_t numVertices;
@@ -169,8 +167,7 @@ namespace embree
           }
         }
 
-        /*! Decodes a group's vertices at a step after the first, as MeshStepView does. first: vertices at the first
-         *  step, from which `step.map` predicts. */
+        /*! Decodes a group's vertices at a step after the first, as MeshStepView. first: vertices at the first step. */
         static void decodeStep (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
                                 const VertexOwners& owners, MeshVertices& out)
         {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Writer of mesh blocks: rounds and encodes clusters of irregular triangles (surface/irregular_triangles.h), which
- * cvert/encoder/mesh_clusters.h formed, and appends the blocks to a store. One writer per task. */
+/* Writer of mesh blocks: rounds and encodes clusters (cvert/encoder/mesh_clusters.h) of irregular triangles
+ * (surface/irregular_triangles.h), and appends the blocks to a store. One writer per task. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -27,8 +27,8 @@ namespace embree
       /*! Primitives of a full group. A primitive is a triangle or a quad. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
-      /*! Writes a cluster of MeshClusters. groups: consecutive primitives of the cluster. The caller must flush the
-       *  store after the last cluster of a part, whose blocks must be in one piece of memory. */
+      /*! Writes a cluster. groups: of consecutive primitives. The caller must flush the store after the last cluster of
+       *  a part, whose blocks must be contiguous. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double squaredDeviation = 0; // largest squared distance by which rounding moved a corner
@@ -49,8 +49,8 @@ namespace embree
           [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,triangles+first,stored); });
       }
 
-      /*! Calls storePrimitive(i) for each primitive i of a cluster. The function must increase numTriangles by the
-       *  number of triangles that it stores. Returns the groups of the stored triangles. */
+      /*! Calls storePrimitive(i) for each primitive i of a cluster, which must add the number of triangles that it
+       *  stores to numTriangles. Returns the groups of the stored triangles. */
       template<typename StorePrimitive>
       static cbvh::MeshGroups storeGroups (const cbvh::MeshGroups& groups, const uint32_t& numTriangles,
                                            const StorePrimitive& storePrimitive)
@@ -103,7 +103,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more than stored, for a triangle that is rejected
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more, for a rejected one
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends: first what the groups share,
- * then the vertices of a group at a time. moving_block.h keeps the results and interpolates. cvert/decoder/step_view.h
- * is the scalar reference. */
+/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends: first the data that groups
+ * share, then the vertices of one group at a time, for moving_block.h. cvert/decoder/step_view.h is the scalar
+ * reference. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -18,15 +18,14 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Base of CellDecoder that is 0, to decode residuals alone. */
+      /*! Base of CellDecoder for residuals alone. */
       struct ZeroBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
       };
 
-      /*! Base of CellDecoder that adds the first step's residuals, multiplied by a later step's matrix, to a
-       *  CellBase. */
+      /*! Base of CellDecoder: a CellBase plus the first step's residuals times a later step's matrix. */
       class RotatedBase
       {
       public:
@@ -37,7 +36,7 @@ namespace embree
           for (uint32_t i=0; i<9; i++) matrix[i] = float(rotationEntry(step,i))*unit;
         }
 
-        /*! Exact, fused or not, because all numbers have at most 24 bits. */
+        /*! Exact, fused or not: all numbers have at most 24 bits. */
         __forceinline vfloatV at (int axis, int vector) const
         {
           const int l = vectorWidth*vector;
@@ -63,7 +62,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes the data of a segment that groups share. The caller must have set out.key. */
+        /*! Decodes the data of a segment that groups share. Requires out.key. */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -98,11 +97,10 @@ namespace embree
           return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
         }
 
-        /*! Decodes the vertices of the group in a lane at both ends, in world space. boxes: decode()'s output for the
-         *  segment, with `key` set. */
+        /*! Decodes the vertices of the group in a lane at both ends, in world space. boxes: output of decode(). */
         void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
         {
-          CellVertices first; // residuals of the first step, for a step whose group is rotated
+          CellVertices first; // residuals of the first step, for a rotated group
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
@@ -138,7 +136,7 @@ namespace embree
         /*! Requires a step after the first. */
         static __forceinline const VertStep& laterStepOf (const StepView& step) { return *(const VertStep*)step.data; }
 
-        /*! Decodes the first cell of a step: the corners of the groups, in coordinates. */
+        /*! Decodes the first cell of a step, in coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
@@ -166,7 +164,7 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),ZeroBase(),CellLatticeOutput{ out });
         }
 
-        /*! Moves sheared planes outward: they are relative to the origin, which is rounded between the ends. */
+        /*! Moves sheared planes outward, because interpolation rounds the origin, to which they are relative. */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
@@ -181,8 +179,7 @@ namespace embree
             }
         }
 
-        /*! Sets boxes of a segment with a raw end, which stores no margins, from the vertices of each group. Requires
-         *  StepCells of both steps. */
+        /*! Sets boxes of a segment with a raw end, which has no margins, from vertices. Requires out.steps. */
         __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* CachedVertBlock for moving blocks, at a time between two steps. Boxes and vertices are interpolated between the ends
- * of a segment, which are decoded into the thread's cache if necessary.
+/* CachedVertBlock for moving blocks, at a time between two steps. Interpolates between the ends of a segment, which are
+ * decoded into the thread's cache if necessary.
  *
  * Vertices and planes are interpolated by the same operations, which round monotonically: a plane that bounds a vertex
- * at both ends also bounds it in between. A shared vertex is the same floats at both ends, and therefore in between, so
- * surfaces stay watertight. */
+ * at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
 
 #include "interpolation.h"
 #include "motion_decoder.h"
@@ -28,14 +27,14 @@ namespace embree
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
-        /*! Returns the boxes of groups if the segment is in the cache, otherwise null. */
+        /*! Boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: moving blocks of a file are checked when the file is loaded. */
+        /*! Always true: loading a file checks its moving blocks. */
         __forceinline bool isUsable () const { return true; }
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
@@ -48,7 +47,7 @@ namespace embree
           return intersectsBounds<float>(ray,bounds,tNear,tFar);
         }
 
-        /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
+        /*! Boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return boxesAtTime;
@@ -69,8 +68,8 @@ namespace embree
           return boxesAtTime;
         }
 
-        /*! Returns the vertices of a group at the time, in world space. The reference is valid until another group is
-         *  requested. */
+        /*! Vertices of a group at the time, in world space. The reference is valid until the next call with another
+         *  group. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
@@ -115,7 +114,7 @@ namespace embree
         const uint32_t segment;
         const float fraction;
         mutable uint32_t lane;        //!< lane of laneVertices, or ~0
-        mutable bool isInterpolated = false; //!< `boxesAtTime` is set
+        mutable bool isInterpolated = false; //!< boxesAtTime is set
         mutable GroupBoxes boxesAtTime;
         mutable CellVertices laneVertices;
       };

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* CachedMeshBlock for moving blocks, at a time between two steps. Interpolates as moving_block.h does, so that planes
- * bound vertices at all times and surfaces stay watertight. */
+/* CachedMeshBlock for moving blocks, at a time between two steps, by the interpolation of moving_block.h. */
 
 #include "cached_mesh.h"
 #include "interpolation.h"
@@ -27,20 +26,20 @@ namespace embree
           trianglesAtTime.key = ~size_t(0);
         }
 
-        /*! Returns the boxes of groups if the segment is in the cache, otherwise null. */
+        /*! Boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: moving blocks of a file are checked when the file is loaded. */
+        /*! Always true: loading a file checks its moving blocks. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! Always true: a mesh block has no bounds besides those of its leaf, which the ray intersects. */
+        /*! Always true, see CachedMeshBlock. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
-        /*! Returns the boxes of groups at the time. The reference is valid as long as this object. */
+        /*! Boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return boxesAtTime;
@@ -61,8 +60,7 @@ namespace embree
           return boxesAtTime;
         }
 
-        /*! Returns half a group at the time, see CachedMeshBlock::triangles. The reference is valid until another half
-         *  is requested. */
+        /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another half. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           if (trianglesAtTime.key != 16*half+g) interpolate(g,half);

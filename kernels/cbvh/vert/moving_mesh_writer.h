@@ -60,8 +60,7 @@ namespace embree
         for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
       }
 
-      /*! Stores the encoded block. first, count: its triangles. Requires `boxes` of all steps but the first, which it
-       *  computes. */
+      /*! Stores the encoded block. first, count: its triangles. Requires `boxes` of all steps but the first. */
       void commitBlock (size_t bytes, uint32_t first, uint32_t count)
       {
         for (uint32_t i=first; i<first+count; i++)
@@ -88,7 +87,7 @@ namespace embree
       cbvh::MeshMotionEncoder encoder;
       cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
       uint32_t ids[cbvh::maxMeshTriangles][3];
-      std::vector<cbvh::StepBox> boxes; //!< of the block that is being encoded, by step
+      std::vector<cbvh::StepBox> boxes; //!< of the current block, by step
       std::vector<uint32_t> words;      //!< the encoded block
     };
   }

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads with one quad per lane. In the order of
- * laneOfVertex, the lower left corners are the first 16 vertices; the other corners are vertices shifted by one column,
- * by one row, or by both. */
+/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads with one quad per lane. The lower left
+ * corners are the first 16 vertices in the order of laneOfVertex; other corners are shifted by a column, a row or
+ * both. */
 
 #include "cell_fields.h"
 #include "../base/intrinsics.h"
@@ -42,7 +42,7 @@ namespace embree
         }
 
         template<typename Function>
-        static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
+        static __forceinline CellVector combine (const CellVector& a, const CellVector& b, const Function& f)
         {
           CellVector r;
           for (int n=0; n<fieldVectors; n++) r.at[n] = f(a.at[n],b.at[n]);
@@ -53,7 +53,7 @@ namespace embree
         }
 
         template<typename Function>
-        __forceinline CellVector with (const Function& f) const
+        __forceinline CellVector map (const Function& f) const
         {
           CellVector r;
           for (int n=0; n<fieldVectors; n++) r.at[n] = f(at[n]);
@@ -65,10 +65,10 @@ namespace embree
       };
 
       __forceinline CellVector madd (const CellVector& a, float b, float c) {
-        return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
+        return a.map([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      /*! One coordinate of the corners of 4 x 4 quads. Quad column + 4 row is in that lane of the vectors. */
+      /*! One coordinate of the corners of 4 x 4 quads. Quad (x,y) is in lane x + 4 y of the vectors. */
       class QuadCornersV
       {
       public:

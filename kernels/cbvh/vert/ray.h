@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Data that is computed once per ray for all cVERT and mesh blocks that it reaches: the shear that maps the ray to the
- * z axis, for triangles; its reciprocal direction, for boxes; its nearest hit, for hits at the same distance. Traversal
- * owns these objects; cvert/rule/rule.h defines their use. */
+/* Data of a ray for all cVERT and mesh blocks that it reaches, owned by traversal: the shear that maps the ray to the z
+ * axis, for triangles; its reciprocal direction, for boxes; its nearest hit, for hits at the same distance. See
+ * cvert/rule/rule.h. */
 
 #include "cache.h"
 #include "../base/surface_ids.h"
@@ -24,8 +24,8 @@ namespace embree
       template<typename Real>
       struct VertRayAxes
       {
-        /* The arrays of a single ray have a fourth element without meaning, so that one vector store writes them and
-         * one vector load reads them. A load of data from several smaller stores would wait for these. */
+        /* A single ray's arrays have an unused fourth element, so that one vector store writes them: a vector load
+         * waits for several smaller stores. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
         alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
         Real largestComponent; //!< largest absolute component of dir
@@ -44,14 +44,14 @@ namespace embree
       struct NearestVertHit
       {
         const VertHeader* block; //!< null without a hit
-        uint32_t triangle;       //!< in the block: 32 times the lane of the group, plus the triangle in the group
+        uint32_t triangle;       //!< 32 times the lane of the group, plus the triangle in the group
         float t;
 
         __forceinline NearestVertHit () : block(nullptr) {}
         __forceinline NearestVertHit (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
-        /*! True if another triangle, hit at the same distance, takes precedence over this hit. Requires a hit. */
+        /*! True if another triangle, hit at the same distance, has precedence. Requires a hit. */
         __forceinline bool losesTieTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return hasPrecedence(keyOf(other,otherTriangle,ids),keyOf(block,triangle,ids));
         }
@@ -62,7 +62,7 @@ namespace embree
         }
       };
 
-      /*! A single ray. set() must be called before the first block; many rays reach none. */
+      /*! A single ray. Call set() before the first block; many rays reach none. */
       struct VertRay : public VertRayAxes<float>
       {
         bool isSet;
@@ -102,7 +102,7 @@ namespace embree
         }
       };
 
-      /*! Rays of a packet, one per lane. set() must be called before the first block. */
+      /*! Rays of a packet, one per lane. Call set() before the first block. */
       template<int K>
       class VertRays : public VertRayAxes<vfloat<K>>
       {
@@ -122,7 +122,7 @@ namespace embree
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largestComponent);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
-          // as largestAxis: for NaN, <= is false on all instruction sets, but results of > and max differ
+          // as largestAxis: with NaN, <= is false on all instruction sets, but > and max differ
           const vbool<K> isX = y <= x, notZ = z <= select(isX,x,y);
           const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
           sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;
@@ -134,7 +134,7 @@ namespace embree
         __forceinline NearestVertHit& nearest (size_t k) { return rays[k].nearest; }
 
         /*! Ray k for tests of triangles: rcp, largestComponent, negativeAxes and cache are not set. */
-        __forceinline const VertRay& at (size_t k)
+        __forceinline const VertRay& ray (size_t k)
         {
           VertRay& ray = rays[k];
           if (likely((loaded >> k) & 1)) return ray;
@@ -149,12 +149,11 @@ namespace embree
 
       private:
         bool isSet;
-        uint32_t loaded; //!< mask of rays that at() has set
+        uint32_t loaded; //!< rays that ray() has set
         VertRay rays[K];
       };
 
-      /*! TriangleSides of up to 16 triangles, one per lane. A group's test stores them, so that hits need not compute
-       *  them again. */
+      /*! TriangleSides of up to 16 triangles, one per lane. A group's test stores them for its hits. */
       struct alignas(64) SidesInLanes
       {
         float weights[3][16];

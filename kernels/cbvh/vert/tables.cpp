@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled once, for the library's lowest instruction set, because it runs when the library is loaded. */
+/* Compiled for the library's lowest instruction set, because it runs when the library is loaded. */
 
 #include "tables.h"
 #include "../base/codec.h"
@@ -48,7 +48,6 @@ namespace embree
         int first = end;
         for (int l=4*row; l<4*row+4; l++)
           if (hasField[l]) first = std::min(first,field[l]*bits/8);
-        // the window must not extend more than maxOverread bytes past the last field
         const int offset = std::max(std::min(first,end+maxOverread-16),0);
         w.offset[row] = uint8_t(offset);
         for (int l=4*row; l<4*row+4; l++)

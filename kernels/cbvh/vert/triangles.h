@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tests which triangles of a cVERT group a ray's line passes through, by the sides of cvert/rule/rule.h: with quads in
- * lanes for a single ray, or with rays in lanes for a packet. hits1.h and hitsK.h process the triangles that pass. */
+/* Tests which triangles of a cVERT group a ray's line may pass through, by the sides of cvert/rule/rule.h: with quads
+ * in lanes for a single ray, or with rays in lanes for a packet. hits1.h and hitsK.h process these triangles. */
 
 #include "decoder.h"
 #include "mesh_corners.h"
@@ -42,7 +42,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! True if the ray's line passes through the triangle. sides: see sides(); mayContain must be true for them. */
+        /*! True if the ray's line passes through the triangle. sides: result of sides(). Requires mayContain. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(haveExactSigns(sides)) || containsExactly(ray);
         }
@@ -63,7 +63,7 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Bounds the distance of a hit by the distances of the three vertices along the largest axis. */
+        /*! Bounds of a hit's distance: distances of the vertices along the largest axis. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
@@ -77,7 +77,7 @@ namespace embree
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! Geometric normal of a hit, not normalized: the reversed direction of the ray if the triangle has no area. */
+        /*! Geometric normal of a hit, not normalized; minus the ray's direction for a triangle without area. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
@@ -86,7 +86,7 @@ namespace embree
         }
 
       private:
-        /*! The vertices in the sheared space in which the ray is the z axis. The fourth lane is unused. */
+        /*! Vertices in the sheared space in which the ray is the z axis. The fourth lane is unused. */
         struct Sheared
         {
           alignas(16) float x[4], y[4];
@@ -105,7 +105,7 @@ namespace embree
         float vertices[3][3]; //!< [axis][vertex]
       };
 
-      /*! Triangles of a group that a ray's line passes through, or may pass through. */
+      /*! Triangles of a group that a ray's line may pass through. */
       class GroupTriangles
       {
       public:
@@ -140,7 +140,6 @@ namespace embree
           const uint32_t firstMask = lanesOf(first), secondMask = lanesOf(second);
           const uint32_t candidateMask = firstMask | (secondMask << 16);
           if (candidateMask == 0) return;
-          // in most cases there is one triangle
           const uint32_t lowest = uint32_t(bsf(candidateMask));
           const bool isSingle = (candidateMask & (candidateMask-1)) == 0;
           mask = likely(isSingle) ? 1u << (2*(lowest & 15u) + (lowest >> 4))
@@ -148,18 +147,18 @@ namespace embree
         }
 
       private:
-        SidesInLanes halves[2]; //!< of the first triangles of all quads, and of the second
+        SidesInLanes halves[2]; //!< of first and second triangles of quads
 
         static __forceinline CellVector relativeToRay (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
-          return CellVector(group.at[k]).with([&](const vfloatV& x) { return x - org; });
+          return CellVector(group.at[k]).map([&](const vfloatV& x) { return x - org; });
         }
 
         static __forceinline CellVector shearToRay (const CellVector& x, float shear, const CellVector& z)
         {
           const vfloatV s(shear);
-          return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
+          return CellVector::combine(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
         }
 
         /*! Moves bit q to bit 2q. */
@@ -172,8 +171,8 @@ namespace embree
         }
       };
 
-      /*! GroupTriangles for rays with the same kz, one per lane. Evaluates each vertex and each edge between quads
-       *  once: the side of an edge in the other direction is the exact negative. */
+      /*! GroupTriangles for rays with the same kz, one per lane. Evaluates each edge between quads once: its side in
+       *  the other direction is the exact negative. */
       template<int K>
       class GroupTrianglesK
       {

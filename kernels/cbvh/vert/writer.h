@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Writer of cVERT: turns the patches of a source (surface/source.h) into blocks, which it appends to a store. Rounds
- * the vertices of a patch to the patch's lattice, and border vertices to lattices that patches share (shared_border.h).
- * Encoding is lossless after that. Several tasks can write strips of rows of one patch, each with its own writer and
- * with no more memory than 256 x 256 quads need. The caller must flush the store after the last patch. */
+/* Writer of cVERT: turns the patches of a source (surface/source.h) into blocks, and appends them to a store. Rounds
+ * vertices to the patch's lattice, and border vertices to lattices that patches share (shared_border.h); encoding is
+ * then lossless. Several tasks can write strips of rows of one patch, each with its own writer and the memory of at
+ * most 256 x 256 quads. The caller must flush the store after the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -28,14 +28,13 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), evaluatedVertices(device), stepVertices(device,0) {}
 
-      /*! Rows of quads in a strip, a multiple of the rows of a block. Limits the vertices of all time steps to about
-       *  the memory of 256 x 256 quads. */
+      /*! Rows of quads in a strip, a multiple of a block's. All time steps of a strip have about 256 x 256 quads. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes a patch that is a single strip. evaluated(step) returns the patch's vertices at a time step if the
-       *  caller has already evaluated them, otherwise null. */
+      /*! Writes a patch that is a single strip. evaluated(step): the patch's vertices at a time step, or null if the
+       *  caller has not evaluated them. */
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
@@ -48,9 +47,8 @@ namespace embree
           });
       }
 
-      /*! Writes a strip. begin, end: vertices of its first and last row, one time step after the other, or null at the
-       *  patch's border. Both strips at a row must receive the same vertices: evaluating them twice is not enough,
-       *  because displacement functions may return different values. */
+      /*! Writes a strip. begin, end: vertices of its first and last row, step by step; null at the patch's border. Both
+       *  strips at a row must receive the same vertices, because evaluating them again may return other values. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
@@ -64,7 +62,7 @@ namespace embree
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows of quads in a strip of as many columns
+      static const unsigned fullStrip = 256; //!< rows and columns of quads in a strip
 
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
@@ -87,7 +85,7 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        stepVertices.reserve(3*count*plan.numTimeSteps); // otherwise the capacity would grow to a power of two
+        stepVertices.reserve(3*count*plan.numTimeSteps); // resize alone would grow to a power of two
         stepVertices.resize(3*count*plan.numTimeSteps);
         auto verticesOfStep = [&](unsigned step) { return (float(*)[3])stepVertices.data() + count*step; };
         size_t flipped = 0;
@@ -113,7 +111,7 @@ namespace embree
             closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
       }
 
-      /*! Copies the vertices of a block of w x h quads. x, y: column and row in `vertices` of the block's first one. */
+      /*! Copies the vertices of a block of w x h quads. x, y: column and row of the first one in `vertices`. */
       static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h,
                              float (*out)[3])
       {
@@ -135,7 +133,7 @@ namespace embree
         commitBlock(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): must store the block's vertices at a time step. */
+      /*! copy(step,out) must store the block's vertices at a time step. */
       template<typename Copy>
       void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h,
                              const Copy& copy)
@@ -175,7 +173,7 @@ namespace embree
         bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
       }
 
-      /*! Placement of a block in its patch. If the patch has a primitive number per quad, also sets `numbers`. */
+      /*! Placement of a block in its patch. Also sets `numbers` if the patch has them. */
       cbvh::VertPlacement choosePlacement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return patchPlacement(patch,x,y,w,h);
@@ -215,7 +213,7 @@ namespace embree
         if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
       }
 
-      /*! Lattice of the vertices that the patch does not share. Updates the largest spacing in the statistics. */
+      /*! Lattice of vertices that the patch does not share. Adds its spacing to the statistics. */
       template<typename Patch>
       cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
       {
@@ -230,8 +228,7 @@ namespace embree
         if (min(patch.quads[0],patch.quads[1]) < minGridSide) statistics.sums.numIrregularQuads += quads;
       }
 
-      /*! Placement of a block whose quads belong to one primitive. Stores the edges of the patch only if (u,v) do not
-       *  follow from the numbers of quads alone. */
+      /*! Placement of a block whose quads belong to one primitive. Edges are stored only if (u,v) depend on them. */
       cbvh::VertPlacement patchPlacement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w,
                                           unsigned h) const
       {
@@ -245,13 +242,13 @@ namespace embree
       }
 
       /*! Rounds the vertices of a strip to their lattices, and adds the distances to the statistics. Returns the number
-       *  of quads with a triangle whose normal is reversed by rounding. */
+       *  of quads with a triangle that rounding turns over. */
       template<typename Patch>
       size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
                            PatchVertices& vertices)
       {
         float (*p)[3] = vertices.displaced();
-        // cVERT does not use undisplaced vertices: their memory keeps the vertices before rounding
+        // the memory of undisplaced vertices, which cVERT does not use, stores the vertices before rounding
         memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p));
         const float (*original)[3] = vertices.undisplaced();
         // shareBorder rounds the vertices on the patch's border
@@ -301,9 +298,9 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices evaluatedVertices; //!< copy of the vertices that the caller evaluated
-      mvector<float> stepVertices;  //!< vertices of a strip, rounded, one time step after the other
-      unsigned sideRates[4];        //!< edge rates of the patch's sides, the same in the faces that share them
+      PatchVertices evaluatedVertices; //!< copy of the caller's
+      mvector<float> stepVertices;  //!< rounded vertices of a strip, step by step
+      unsigned sideRates[4];        //!< edge rates of the patch's sides, equal in adjacent faces
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block
       cbvh::NumbersEncoder numbers;
