@@ -150,10 +150,11 @@ def isosurface(_, side=80):
         path = corner + numpy.cumsum([0, steps[a], steps[b], steps[3 - a - b]])[:, None]
         codes = ((field[path] < 0) << numpy.arange(4)[:, None]).sum(axis=0)
         for code in range(1, 15):
-            paths = path[:, codes == code]
+            tets = path[:, codes == code]
             pairs = [(i, o) for i in range(4) for o in range(4) if code >> i & 1 and not code >> o & 1]
             for triangle in [pairs] if len(pairs) == 3 else [pairs[:3], pairs[1:]]:
-                edges.append(numpy.stack([numpy.sort(paths[list(pair)], axis=0) for pair in triangle]).transpose(2, 0, 1))
+                ends = [numpy.sort(tets[list(pair)], axis=0) for pair in triangle]
+                edges.append(numpy.stack(ends).transpose(2, 0, 1))
     ends, indices = numpy.unique(numpy.concatenate(edges).reshape(-1, 2), axis=0, return_inverse=True)
     f, g = field[ends[:, 0]], field[ends[:, 1]]
     weight = (f / (f - g))[:, None]
