@@ -9,13 +9,14 @@ REQUIRED_BYTES = 32 * 2**20  # for a record, its pictures, and temporary files
 
 
 def low_space_problem(folder):
-    """Returns a message if the file system is nearly full, else "". Cheap enough to call often."""
+    """Returns a message if less than REQUIRED_BYTES are free, else "". Cheap enough to call often."""
     free = shutil.disk_usage(folder).free
     return f"{free / 2**20:.0f} MiB are free" if free < REQUIRED_BYTES else ""
 
 
 def write_problem(folder):
-    """Returns a message if the folder is full, else "". Writes a file, so that quotas and limits count as well."""
+    """Returns a message if the folder cannot be written or has little space, else "". Writes a file, so that quotas
+    and limits count as well."""
     probe = folder / ".room"
     try:
         probe.write_bytes(bytes(2**16))
