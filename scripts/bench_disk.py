@@ -5,17 +5,18 @@
 
 import shutil
 
-NEEDED = 32 * 2**20  # bytes: a record, its pictures, and temporary files
+REQUIRED_BYTES = 32 * 2**20  # for a record, its pictures, and temporary files
 
 
-def nearly_full(folder):
-    """Returns a message if the file system is nearly full, else "". Cheap enough to call often."""
+def low_space_problem(folder):
+    """Returns a message if less than REQUIRED_BYTES are free, else "". Cheap enough to call often."""
     free = shutil.disk_usage(folder).free
-    return f"{free / 2**20:.0f} MiB are free" if free < NEEDED else ""
+    return f"{free / 2**20:.0f} MiB are free" if free < REQUIRED_BYTES else ""
 
 
-def full(folder):
-    """Returns a message if the folder is full, else "". Writes a file, so that quotas and limits count as well."""
+def write_problem(folder):
+    """Returns a message if the folder cannot be written or has little space, else "". Writes a file, so that quotas
+    and limits count as well."""
     probe = folder / ".room"
     try:
         probe.write_bytes(bytes(2**16))
@@ -26,4 +27,4 @@ def full(folder):
             probe.unlink(missing_ok=True)
         except OSError:
             pass
-    return nearly_full(folder)
+    return low_space_problem(folder)

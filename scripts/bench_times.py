@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Estimates how long jobs take: from earlier runs here, or from the plan, scaled by the pace of those runs."""
+"""Estimates how long jobs take: from earlier runs here, or from the plan, scaled by the slowdown of those runs."""
 
 import json
 
@@ -40,17 +40,17 @@ class Times:
         for path in [*sorted(folder.parent.glob("*/" + FILE)), self.path]:
             self.known.update(read(path))
 
-    def pace(self):
+    def slowdown(self):
         """Measured time of all known jobs as a multiple of their planned time; 1 without measurements."""
         total = sum(t["planned"] for t in self.known.values())
         return sum(t["seconds"] for t in self.known.values()) / total if total else 1.0
 
     def expected(self, job, levels):
         """Returns the seconds, and whether they were measured."""
-        found = self.known.get(key(job, levels))
-        return (found["seconds"], True) if found else (planned(job, levels) * self.pace(), False)
+        measurement = self.known.get(key(job, levels))
+        return (measurement["seconds"], True) if measurement else (planned(job, levels) * self.slowdown(), False)
 
-    def note(self, job, levels, seconds):
+    def record(self, job, levels, seconds):
         """Records the duration of a job. All levels of the job must have been measured."""
         own = read(self.path)
         own[key(job, levels)] = {"seconds": round(seconds, 1), "planned": round(planned(job, levels), 1)}

@@ -85,7 +85,7 @@ def read_arguments():
     return parser.parse_args()
 
 
-def about(bench):
+def build_info(bench):
     """Returns the program's own description of its build."""
     if not bench.is_file():
         raise Failure(f"{bench}: no such program; build it first: cmake --build build/release")
@@ -100,7 +100,7 @@ def base_name(scene):
     return scene.split(":")[0]
 
 
-def fits(job, name):
+def matches(job, name):
     """True if a job has this name or matches this pattern, such as frames_*."""
     return fnmatch.fnmatchcase(job.name, name)
 
@@ -154,14 +154,14 @@ def choose_jobs(options, build):
         if not any(base_name(job.scene) == name for job in jobs):
             raise Failure(f"scene '{name}' is not in the set '{options.set}'")
     for name in options.job or []:
-        if not any(fits(job, name) for job in jobs):
+        if not any(matches(job, name) for job in jobs):
             raise Failure(
                 f"job '{name}' is not in the set '{options.set}', which has {', '.join(job.name for job in jobs)}"
             )
     if options.scene:
         jobs = [job for job in jobs if base_name(job.scene) in options.scene]
     if options.job:
-        jobs = [job for job in jobs if any(fits(job, name) for name in options.job)]
+        jobs = [job for job in jobs if any(matches(job, name) for name in options.job)]
     for job in jobs:
         if base_name(job.scene) not in build["scenes"]:
             print(f"left out: {job.name} ({job.figures}), as this build has no scene '{base_name(job.scene)}'")
@@ -174,12 +174,12 @@ def choose_jobs(options, build):
     return jobs
 
 
-def probe(bench, representation, which):
+def probe(bench, representation, device_option):
     """Opens a Vulkan device and traces a representation. Returns the device's name and "", or "" and the
     error message."""
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "probe.json"
-        words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", which]
+        words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", device_option]
         words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0", "--maps", folder, "--json", str(record)]
         try:
             done = subprocess.run([bench, *words], capture_output=True, text=True, timeout=300)
@@ -191,17 +191,17 @@ def probe(bench, representation, which):
         return records.read(record)["groups"][0]["results"][0]["on_device"]["device"], ""
 
 
-def on_this_machine(jobs, bench, named):
+def supported_jobs(jobs, bench, named):
     """Returns the jobs that the Vulkan device supports, and its name. named: the device that the user
     requires, if any."""
-    wanted = [job.name for job in jobs if job.needs_vulkan]
-    if not wanted:
+    vulkan_jobs = [job.name for job in jobs if job.needs_vulkan]
+    if not vulkan_jobs:
         return jobs, ""
-    which = "vulkan" + (f":{named}" if named else "")
-    device, problem = probe(bench, "cvert", which)
+    device_option = "vulkan" + (f":{named}" if named else "")
+    device, problem = probe(bench, "cvert", device_option)
     if "shaderFloat64" in problem:
         print(f"left out: cVERT on the Vulkan device: {problem}")
-        device, problem = probe(bench, "grid", which)
+        device, problem = probe(bench, "grid", device_option)
         for job in jobs:
             if job.needs_vulkan:
                 job.options = job.options.replace(",cvert", "")
@@ -209,11 +209,11 @@ def on_this_machine(jobs, bench, named):
         return jobs, device
     if named:
         raise Failure(f"--device {named}: {problem}")
-    print(f"left out: {', '.join(wanted)}, as there is no Vulkan device: {problem}")
+    print(f"left out: {', '.join(vulkan_jobs)}, as there is no Vulkan device: {problem}")
     return [job for job in jobs if not job.needs_vulkan], ""
 
 
-def measured_less(path, levels):
+def unwritten_levels(path, levels):
     """Returns the levels that a process which ended early has not written."""
     try:
         written = [group["level"] for group in records.read(path)["groups"]]
@@ -232,14 +232,14 @@ def devices_of(record):
     return {result["on_device"]["device"] for result in results if "on_device" in result}
 
 
-def old(path):
+def backup_path(path):
     """Path of a record that is kept until its replacement is complete."""
     return path.with_name(path.name + ".old")
 
 
-def why_again(record, job, build, device):
+def reason_to_repeat(record, job, build, device):
     """Returns the reason why a record must be measured again, or ""."""
-    if record["run"]["commit"] != build["commit"] or not asks_the_same(job, record["run"]["command"]):
+    if record["run"]["commit"] != build["commit"] or not has_same_settings(job, record["run"]["command"]):
         return f"of commit {record['run']['commit']} or other settings"
     others = devices_of(record) - {device}
     return f"of the device {', '.join(sorted(others))}" if others else ""
@@ -251,19 +251,19 @@ def finished_levels(job, folder, build, device, progress, fresh):
     for path in sorted(folder.glob(f"{job.name}_L*.json")):
         try:
             record = records.read(path)
-            problem = why_again(record, job, build, device)
+            problem = reason_to_repeat(record, job, build, device)
         except records.Damaged as error:
             problem = str(error)
         if problem or fresh:
-            path.replace(old(path))
+            path.replace(backup_path(path))
             if problem and not fresh:
-                progress.say(f"{path.name}: {problem}; measured again")
+                progress.print_line(f"{path.name}: {problem}; measured again")
         else:
             done.update(group["level"] for group in record["groups"])
     return done
 
 
-def asks_the_same(job, command):
+def has_same_settings(job, command):
     return all(word in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
 
 
@@ -286,7 +286,7 @@ class Runner:
         self.bench, self.folder, self.progress = bench, folder, progress
         self.process = None
         self.stopped = False
-        self.no_room = ""  # a message if the disk is full
+        self.disk_full = ""  # a message if the disk is full
 
     def stop(self, *_):
         self.stopped = True
@@ -295,9 +295,9 @@ class Runner:
 
     def measure(self, job, levels):
         """Runs one process. Returns its exit status and the last line that it wrote to standard error."""
-        self.no_room = disk.full(self.folder)
-        if self.no_room:
-            return 1, self.no_room
+        self.disk_full = disk.write_problem(self.folder)
+        if self.disk_full:
+            return 1, self.disk_full
         command = command_of(self.bench, job, levels, self.folder)
         last = []
         # Unbuffered: buffered output could not be written to a full disk at the end, either.
@@ -312,18 +312,18 @@ class Runner:
                 self.stop()
             while self.process.poll() is None:
                 self.progress.draw()
-                self.look_for_room()
+                self.check_free_space()
                 time.sleep(0.2)
             watcher.join()
         if self.process.returncode and not self.stopped:
-            self.no_room = self.no_room or disk.full(self.folder)
+            self.disk_full = self.disk_full or disk.write_problem(self.folder)
         return self.process.returncode, last[-1].strip() if last else ""
 
-    def look_for_room(self):
+    def check_free_space(self):
         """Stops the process if there is no room left to write its next level."""
-        if not self.no_room:
-            self.no_room = disk.nearly_full(self.folder)
-            if self.no_room:
+        if not self.disk_full:
+            self.disk_full = disk.low_space_problem(self.folder)
+            if self.disk_full:
                 self.process.send_signal(signal.SIGINT)
 
     def watch(self, stream, log, last):
@@ -334,41 +334,41 @@ class Runner:
                 pass  # the disk is full; the process continues until it cannot write its results
             last.append(line)
             if line.startswith("  "):
-                self.progress.doing = line.strip().rsplit(":", 1)[0]
+                self.progress.step = line.strip().rsplit(":", 1)[0]
 
 
 def print_list(jobs, times, cage):
     """Prints the jobs and their durations."""
     total = 0
     for job in jobs:
-        seconds, measured = times.expected(job, job.levels)
+        seconds, is_measured = times.expected(job, job.levels)
         total += seconds
         print(
             f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
-            + (f"took {clock(seconds)}" if measured else f"about {clock(seconds)}")
+            + (f"took {clock(seconds)}" if is_measured else f"about {clock(seconds)}")
         )
-    measured = (
-        f"at {times.pace():.2f} times the planned time, as measured here"
+    basis = (
+        f"at {times.slowdown():.2f} times the planned time, as measured here"
         if times.known
         else "as planned for two idle cores; a run notes what it took here"
     )
-    print(f"{len(jobs)} jobs, about {clock(total)}, {measured}")
+    print(f"{len(jobs)} jobs, about {clock(total)}, {basis}")
 
 
 def run(options):
     bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
-    shows_only = options.list or options.print_commands
-    if shows_only and not options.bench and not bench.is_file():
+    prints_only = options.list or options.print_commands
+    if prints_only and not options.bench and not bench.is_file():
         print(
             f"there is no build yet at {bench}: the list may contain jobs that a build does not support",
             file=sys.stderr,
         )
         build = {"scenes": sets.scenes_of(options.set) if options.set in sets.NAMES else [], "isas": list(sets.ISAS)}
     else:
-        build = about(bench)
+        build = build_info(bench)
     jobs = choose_jobs(options, build)
-    where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
-    folder = Path(where) if options.output else ROOT / where
+    folder_name = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
+    folder = Path(folder_name) if options.output else ROOT / folder_name
     times = Times(folder)
     if options.list:
         print_list(jobs, times, options.cage)
@@ -377,7 +377,7 @@ def run(options):
         for job in jobs:
             print(shlex.join(command_of(bench, job, job.levels, folder)))
         return 0
-    jobs, device = on_this_machine(jobs, bench, options.device)
+    jobs, device = supported_jobs(jobs, bench, options.device)
     if not jobs:
         return 0
     try:
@@ -386,16 +386,16 @@ def run(options):
         raise Failure(f"{folder}: cannot create the folder: {error.strerror}") from error
 
     progress = Progress({})
-    todo = []
+    pending = []
     for job in jobs:
         done = finished_levels(job, folder, build, device, progress, options.fresh)
         levels = [level for level in job.levels if level not in done]
         if levels:
-            todo.append((job, levels, times.expected(job, levels)[0]))
-    kept = len(jobs) - len(todo)
-    progress = Progress({job.name: seconds for job, _, seconds in todo})
+            pending.append((job, levels, times.expected(job, levels)[0]))
+    complete_count = len(jobs) - len(pending)
+    progress = Progress({job.name: seconds for job, _, seconds in pending})
     print(
-        f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)}; "
+        f"{options.set}: {len(jobs)} jobs, {complete_count} of them measured before; about {clock(progress.total)}; "
         f"{build['hardware_threads']} threads, commit {build['commit']}"
         + (f"; Vulkan device {device}" if device else ""),
         flush=True,
@@ -405,34 +405,34 @@ def run(options):
     signal.signal(signal.SIGINT, runner.stop)
     signal.signal(signal.SIGTERM, runner.stop)
     failed = 0
-    for job, levels, _ in todo:
+    for job, levels, _ in pending:
         progress.start(job.name)
-        status, complaint = runner.measure(job, levels)
-        took = time.monotonic() - progress.begin
+        status, message = runner.measure(job, levels)
+        duration = time.monotonic() - progress.begin
         progress.finish()
-        if runner.no_room:
+        if runner.disk_full:
             progress.clear()
             raise Failure(
-                f"{where}: no room for results: {runner.no_room}; results so far are kept, and the same command"
+                f"{folder_name}: no room for results: {runner.disk_full}; results so far are kept, and the same command"
                 " continues with the rest"
             )
         if runner.stopped:
-            progress.say("stopped; results so far are kept, and the same command continues with the rest")
+            progress.print_line("stopped; results so far are kept, and the same command continues with the rest")
             return 130
-        too_large = job.heavy and ("not enough memory" in complaint or "out of memory" in complaint)
+        too_large = job.heavy and ("not enough memory" in message or "out of memory" in message)
         if status == 0 or too_large:
             for path in folder.glob(f"{job.name}_L*.json.old"):
                 path.unlink()
         if status == 0:
-            times.note(job, levels, took)
-            progress.say(f"  {job.name:18s} {job.figures:34s} {clock(took)}")
+            times.record(job, levels, duration)
+            progress.print_line(f"  {job.name:18s} {job.figures:34s} {clock(duration)}")
         elif too_large:
-            missing = measured_less(record_of(job, levels, folder), levels)
-            progress.say(f"  {job.name:18s} level {level_text(missing)} left out: {complaint.split(': ', 1)[-1]}")
+            missing = unwritten_levels(record_of(job, levels, folder), levels)
+            progress.print_line(f"  {job.name:18s} level {level_text(missing)} left out: {message.split(': ', 1)[-1]}")
         else:
             failed += 1
-            progress.say(f"  {job.name:18s} failed with status {status}: {complaint}")
-    print(f"records in {where}; a page of them: scripts/report.py {where}")
+            progress.print_line(f"  {job.name:18s} failed with status {status}: {message}")
+    print(f"records in {folder_name}; a page of them: scripts/report.py {folder_name}")
     return 1 if failed else 0
 
 

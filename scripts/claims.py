@@ -58,7 +58,7 @@ def run(options, model, folder, *words):
     return {r["representation"]: r for r in json.loads(path.read_text(encoding="utf-8"))["results"]}
 
 
-def differing(folder, one, other):
+def differing_pixels(folder, one, other):
     """Number of pixels that differ by more than each of DIFFERENCES."""
     pictures = [imread(next(Path(folder).glob(f"*_{name}.png")))[..., :3] for name in (one, other)]
     difference = abs(pictures[0] - pictures[1]).max(axis=-1)
@@ -83,13 +83,13 @@ def measure(options, model):
                 if level == LEVELS[-1]:
                     for kind in ("naive", "cvert"):
                         pixels[kind, samples] = (
-                            differing(folder, "grid", kind) if kind.upper() in map(str.upper, results) else None
+                            differing_pixels(folder, "grid", kind) if kind.upper() in map(str.upper, results) else None
                         )
     return ratios, pixels, hits
 
 
-def counts(found):
-    return "-" if found is None else " ".join(map(str, found))
+def counts(values):
+    return "-" if values is None else " ".join(map(str, values))
 
 
 def main():
@@ -120,8 +120,8 @@ def main():
     rows, all_ratios = [], {(kind, level): [] for kind in KINDS for level in LEVELS}
     for name, model in models.items():
         ratios, pixels, hits = measure(options, model)
-        for found in all_ratios:
-            all_ratios[found].append(ratios[found])
+        for key in all_ratios:
+            all_ratios[key].append(ratios[key])
         cells = [counts(pixels[kind, samples]) for samples in SAMPLES for kind in ("naive", "cvert")]
         rows.append([name, *(f"{ratios['cVERT', level]:.1f}" for level in LEVELS), str(hits), *cells])
         print(" ".join(rows[-1]), file=sys.stderr)  # a result even if the next scene is interrupted
@@ -132,8 +132,8 @@ def main():
         *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT")),
     ]
     print(Table(heads, rows).markdown())
-    for (kind, level), found in all_ratios.items():
-        print(f"{kind}, level {level}: {min(found):.1f} to {max(found):.1f} times smaller than GRID")
+    for (kind, level), values in all_ratios.items():
+        print(f"{kind}, level {level}: {min(values):.1f} to {max(values):.1f} times smaller than GRID")
 
 
 if __name__ == "__main__":

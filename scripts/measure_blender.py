@@ -43,10 +43,10 @@ def render(preloaded, picture, settings):
     took = re.search(r"Time: (\d+):([\d.]+)", done.stdout)
     if done.returncode or not commits or not took:
         sys.exit(f"blender failed, or its Cycles does not use Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
-    seconds, everything, buffers = commits[-1]
+    seconds, total_bytes, buffers = commits[-1]
     compressed = sum(map(float, re.findall(r"^compression: .* quads in ([\d.]+) MiB", done.stderr, re.MULTILINE)))
     return {
-        "MiB": (int(everything) - int(buffers)) / 2**20 + compressed,
+        "MiB": (int(total_bytes) - int(buffers)) / 2**20 + compressed,
         "buffers": int(buffers) / 2**20,
         "build": float(seconds),
         "render": 60 * int(took[1]) + float(took[2]),
@@ -77,12 +77,12 @@ def main():
     if options.interposer:
         if not options.interposer.exists():
             sys.exit(f"{options.interposer}: this file does not exist; --interposer names libembree_cbvh_interposer.so")
-        ours = {"EMBREE_CBVH": "1,triangles=1,verbose"}
+        our_settings = {"EMBREE_CBVH": "1,triangles=1,verbose"}
         preloaded = [options.interposer.resolve()]
     else:
         if not (options.library / "libembree3.so.3").exists():
             sys.exit(f"{options.library}: no libembree3.so.3 in this folder; build it first, or set --library")
-        ours = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
+        our_settings = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
     folder = ROOT / "output/blender"
     folder.mkdir(parents=True, exist_ok=True)
     measured = {"stock": [], "ours": []}
@@ -92,7 +92,7 @@ def main():
             ["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True
         )
         for _ in range(options.rounds):
-            for name, settings, more in (("stock", {}, []), ("ours", ours, preloaded)):
+            for name, settings, more in (("stock", {}, []), ("ours", our_settings, preloaded)):
                 measured[name].append(render([probe, *more], folder / f"{name}.png", settings))
                 print(name, measured[name][-1], flush=True)
     before, after = (

@@ -81,16 +81,16 @@ def load(program, path, folder, processes, view):
         runs.append(
             (subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), record)
         )
-    seen = [None] * processes
+    mappings = [None] * processes
     while all(run.poll() is None for run, _ in runs):
-        now = [mapping_of(run.pid, path) for run, _ in runs]
-        if all(now):
-            seen = now
+        current = [mapping_of(run.pid, path) for run, _ in runs]
+        if all(current):
+            mappings = current
         time.sleep(0.01)
     for run, _ in runs:
         if run.wait() != 0:
             raise SystemExit(f"{program} --load {path} failed")
-    return [json.loads(record.read_text()) for _, record in runs], seen
+    return [json.loads(record.read_text()) for _, record in runs], mappings
 
 
 def main():
@@ -131,24 +131,24 @@ def main():
     )
     print("|:--|:--|--:|--:|--:|--:|--:|--:|--:|")
     for view in VIEWS:
-        for isCold in (False, True):
+        for is_cold in (False, True):
             for processes in (1, 4):
-                opened, used, first, rss, pss, inMemory = [], [], [], [], [], []
+                opened, processor_times, first, rss, pss, cached_bytes = [], [], [], [], [], []
                 for _ in range(options.repeat):
-                    if isCold:
+                    if is_cold:
                         evict(path)
-                    records, seen = load(options.program, path, folder, processes, view)
+                    records, mappings = load(options.program, path, folder, processes, view)
                     opened += [r["openSeconds"] for r in records]
-                    used += [r["openProcessorSeconds"] for r in records]
+                    processor_times += [r["openProcessorSeconds"] for r in records]
                     first += [r["firstRaySeconds"] for r in records]
-                    rss += [s["Rss"] for s in seen if s]
-                    pss += [s["Pss"] for s in seen if s]
-                    inMemory.append(cached(path))
+                    rss += [s["Rss"] for s in mappings if s]
+                    pss += [s["Pss"] for s in mappings if s]
+                    cached_bytes.append(cached(path))
                 middle = statistics.median
                 print(
-                    f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} |"
-                    f" {1e3 * middle(used):.1f} | {1e3 * middle(first):.1f} | {middle(rss) / mib:.1f} |"
-                    f" {middle(pss) / mib:.1f} | {middle(inMemory) / mib:.1f} |"
+                    f"| {view} | {'cold' if is_cold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} |"
+                    f" {1e3 * middle(processor_times):.1f} | {1e3 * middle(first):.1f} | {middle(rss) / mib:.1f} |"
+                    f" {middle(pss) / mib:.1f} | {middle(cached_bytes) / mib:.1f} |"
                     if rss
                     else "| the processes ended before their memory was read |"
                 )

@@ -39,10 +39,10 @@ def shape_of(path):
     vertices, triangles = [], []
     for line in path.read_text().splitlines():
         (vertices if line[0] == "v" else triangles).append(line[2:])
-    at = numpy.array(" ".join(vertices).split(), dtype=float).reshape(-1, 3)
+    positions = numpy.array(" ".join(vertices).split(), dtype=float).reshape(-1, 3)
     corners = numpy.array(" ".join(triangles).split(), dtype=int).reshape(-1, 3) - 1
-    edges = at[corners] - at[numpy.roll(corners, 1, axis=1)]
-    return len(at), len(corners), float(numpy.median(numpy.linalg.norm(edges, axis=2)))
+    edges = positions[corners] - positions[numpy.roll(corners, 1, axis=1)]
+    return len(positions), len(corners), float(numpy.median(numpy.linalg.norm(edges, axis=2)))
 
 
 def render(program, path, folder, settings, options):
@@ -76,8 +76,8 @@ def measure(name, options):
             }
             for rays in ("coherent", "incoherent"):
                 for query in ("closest", "any"):
-                    of = [result["speed"][rays][query]["relative_to_grid"] for result in results]
-                    row[key][f"{rays} {query}"] = statistics.median(of)
+                    ratios = [result["speed"][rays][query]["relative_to_grid"] for result in results]
+                    row[key][f"{rays} {query}"] = statistics.median(ratios)
             if key == mode:
                 row[key]["moved"] = first["compression"]["max_vertex_deviation"] / edge
                 row[key]["compressed"] = 2 * first["compression"]["quads"] / triangles
@@ -91,17 +91,17 @@ COLUMNS += ["Embree, s", "cVERT", "lossless", "coherent", "incoherent", "compact
 
 
 def line_of(name, row):
-    embree, compact, ours, exact = (row[key] for key in ("embree", "compact", *MODES))
+    embree, compact, cvert, lossless = (row[key] for key in ("embree", "compact", *MODES))
 
-    def speeds(of):
-        return f"{of['coherent closest']:.2f} {of['incoherent closest']:.2f}"
+    def speeds(ratios):
+        return f"{ratios['coherent closest']:.2f} {ratios['incoherent closest']:.2f}"
 
     cells = [name, f"{row['triangles'] / 1000:.0f}"]
     cells += [f"{value:.1f}" for value in (embree["bytes"], compact["bytes"])]
-    cells += [f"{value:.2f}" for value in (ours["bytes"], ours["peak"], exact["bytes"])]
-    cells += [f"{of['build']:.3f}" for of in (embree, ours, exact)]
-    cells += [f"{ours[rays + ' closest']:.2f}" for rays in ("coherent", "incoherent")]
-    return "| " + " | ".join([*cells, speeds(compact), speeds(exact), f"{ours['moved']:.4f}"]) + " |"
+    cells += [f"{value:.2f}" for value in (cvert["bytes"], cvert["peak"], lossless["bytes"])]
+    cells += [f"{mode['build']:.3f}" for mode in (embree, cvert, lossless)]
+    cells += [f"{cvert[rays + ' closest']:.2f}" for rays in ("coherent", "incoherent")]
+    return "| " + " | ".join([*cells, speeds(compact), speeds(lossless), f"{cvert['moved']:.4f}"]) + " |"
 
 
 def main():

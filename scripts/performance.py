@@ -19,12 +19,12 @@ import textwrap
 from pathlib import Path
 
 import bench_records as records
-from benchmark import about
+from benchmark import build_info
 from reporting.formats import Table
 from reporting.records import as_table, rows_of_record
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE, FRONT = ROOT / "docs/performance.md", ROOT / "README.md"
+PAGE, README = ROOT / "docs/performance.md", ROOT / "README.md"
 TABLE, HEADLINE = "scripts/performance.py", "scripts/performance.py, headline"
 
 SCENES, VIEWS = ("trex", "frog", "scythe", "knee", "cube"), ("full", "close")
@@ -40,14 +40,14 @@ PACKETS = {"avx512": "packet16", "avx2": "packet8", "avx": "packet8", "sse4.2": 
 # Speeds relative to GRID's that the tables show: ray set, query, and whether rays are traced in packets.
 COHERENT, INCOHERENT = ("coherent", "closest", False), ("incoherent", "closest", False)
 ANY = (("coherent", "any", False), ("incoherent", "any", False))
-TOGETHER = ("coherent", "closest", True)
-COLUMNS = [("cVERT", (COHERENT, INCOHERENT)), ("- any hit", ANY), ("- packets", (TOGETHER,))]
+PACKET = ("coherent", "closest", True)
+COLUMNS = [("cVERT", (COHERENT, INCOHERENT)), ("- any hit", ANY), ("- packets", (PACKET,))]
 COLUMNS += [(kind, (COHERENT, INCOHERENT)) for kind in KINDS[1:]]
 
 
-def measured(bench):
+def measure(bench):
     """Measures all scenes in one process and returns the record."""
-    widest = about(bench)["isas"][-1]
+    widest = build_info(bench)["isas"][-1]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "speeds.json"
         words = [bench, *OPTIONS.split(), "--isa", widest, "--mode", f"single,{PACKETS[widest]}", "--json", path]
@@ -64,8 +64,8 @@ def rows_of(record):
 def cell(rows, shown):
     """rows: one scene, kind and view."""
     ratios = []
-    for ray_set, query, together in shown:
-        modes = rows.isa.map(PACKETS) if together else "single"
+    for ray_set, query, in_packets in shown:
+        modes = rows.isa.map(PACKETS) if in_packets else "single"
         found = rows[
             (rows["set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)
         ]
@@ -111,9 +111,9 @@ def front_table(rows):
         "incoherent rays",
         "error, pixels",
     ]
-    by, speeds, out = full_views(rows), speeds_of_page(), []
+    views, speeds, out = full_views(rows), speeds_of_page(), []
     for scene in FRONT_SCENES:
-        pair = [by[scene, kind] for kind in ("GRID", "cVERT")]
+        pair = [views[scene, kind] for kind in ("GRID", "cVERT")]
         cells = [scene, f"{pair[0].quads / 1e6:.2f}", *(f"{row.memory_live_bytes / 2**20:.2f}" for row in pair)]
         cells += [f"{row.build_seconds:.3f}" for row in pair]
         out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors_p99_pixels:.3f}"])
@@ -134,8 +134,8 @@ def front_table(rows):
 
 def headline(rows):
     """The two headline ranges: memory over all scenes of the record, speed over all scenes and views of the page."""
-    by, scenes = full_views(rows), sorted(set(rows.scene))
-    smaller = [by[scene, "GRID"].memory_live_bytes / by[scene, "cVERT"].memory_live_bytes for scene in scenes]
+    views, scenes = full_views(rows), sorted(set(rows.scene))
+    smaller = [views[scene, "GRID"].memory_live_bytes / views[scene, "cVERT"].memory_live_bytes for scene in scenes]
     faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
     text = (
         f"**[{min(smaller):.0f} to {max(smaller):.0f} times](docs/figures.md#memory) less memory than Embree's own"
@@ -168,11 +168,11 @@ def main():
         "--front-only", action="store_true", help="write only the table of README.md"
     )
     options = parser.parse_args()
-    rows = rows_of(records.read(options.record) if options.record else measured(options.bench))
+    rows = rows_of(records.read(options.record) if options.record else measure(options.bench))
     if not options.front_only:
         write(PAGE, TABLE, lines_of(rows))
-    write(FRONT, TABLE, front_table(rows))
-    write(FRONT, HEADLINE, headline(rows))
+    write(README, TABLE, front_table(rows))
+    write(README, HEADLINE, headline(rows))
 
 
 if __name__ == "__main__":

@@ -10,25 +10,25 @@ import tempfile
 from pathlib import Path
 
 
-def is_written_into(path):
+def is_written_in_place(path):
     """True if a rename would replace something else than a regular file, or the file of standard output."""
     if not path.exists():
         return False
     if not path.is_file():
         return True
-    return any(os.path.samestat(path.stat(), os.fstat(standard)) for standard in open_standards())
+    return any(os.path.samestat(path.stat(), os.fstat(descriptor)) for descriptor in open_standards())
 
 
 def open_standards():
     """Returns the descriptors of standard output and standard error that are open."""
-    found = []
-    for standard in (1, 2):
+    descriptors = []
+    for descriptor in (1, 2):
         try:
-            os.fstat(standard)
-            found.append(standard)
+            os.fstat(descriptor)
+            descriptors.append(descriptor)
         except OSError:
             pass
-    return found
+    return descriptors
 
 
 def permissions_of(path):
@@ -43,7 +43,7 @@ def permissions_of(path):
 def write(path, text):
     """Writes a text file. Follows symbolic links. Raises OSError."""
     path = Path(path)
-    if is_written_into(path):
+    if is_written_in_place(path):
         with open(path, "a", encoding="utf-8") as file:
             file.write(text)
         return

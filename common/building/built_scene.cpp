@@ -127,7 +127,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   if (model.isMesh)
     buildMesh(model, settings);
   else if (representation.isTriangulated() && rates)
-    throw Error(wordOf(builtAs.kind) + " supports only one " + settingName("level") +
+    throw Error(optionNameOf(builtAs.kind) + " supports only one " + settingName("level") +
                 " for all edges: expected another representation, or no rates by the view");
   else if (representation.isTriangulated())
     buildTriangles(model, settings);

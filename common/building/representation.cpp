@@ -97,7 +97,7 @@ const std::string& labelOf(RepresentationKind kind)
   return namesOf(kind).label;
 }
 
-const std::string& wordOf(RepresentationKind kind)
+const std::string& optionNameOf(RepresentationKind kind)
 {
   return namesOf(kind).word;
 }
@@ -121,8 +121,8 @@ std::string defaultRepresentations()
 
 std::string meshRepresentations()
 {
-  return wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::NaiveCompact) + "," +
-         wordOf(RepresentationKind::CVert);
+  return optionNameOf(RepresentationKind::Grid) + "," + optionNameOf(RepresentationKind::NaiveCompact) + "," +
+         optionNameOf(RepresentationKind::CVert);
 }
 
 std::string levelRange()

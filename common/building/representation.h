@@ -31,7 +31,7 @@ const std::vector<RepresentationKind>& representationKinds();
 
 /* Names in tables, "cLEAF", and on command lines, "cleaf". */
 const std::string& labelOf(RepresentationKind kind);
-const std::string& wordOf(RepresentationKind kind);
+const std::string& optionNameOf(RepresentationKind kind);
 
 /* Lists all names: "naive, grid, ...". `last` precedes the last one. */
 std::string listOfRepresentations(const std::string& separator, const std::string& last);

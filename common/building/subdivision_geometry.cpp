@@ -155,7 +155,7 @@ void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Plac
   device.check("allocating the vertices of a cage");
   auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
   for (size_t i = 0; i < n; i++)
-    out[i] = placement.apply(Model::inShape(positions[i], shape, cage, i));
+    out[i] = placement.apply(Model::positionInShape(positions[i], shape, cage, i));
   out[n] = Vec3f();
   rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
 }

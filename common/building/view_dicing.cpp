@@ -43,7 +43,7 @@ std::vector<float> highestRates(const Model& model)
   for (unsigned face = 0; face < model.cage.numFaces(); face++)
     for (unsigned edge = 0; edge < model.cage.faceSizes[face]; edge++)
     {
-      const float texels = model.displacement ? model.displacement->texelsAlong(face, edge) : INFINITY;
+      const float texels = model.displacement ? model.displacement->texelsAlongEdge(face, edge) : INFINITY;
       highest.push_back(std::max(smoothRate, texels));
     }
   return highest;

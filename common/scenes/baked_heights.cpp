@@ -148,7 +148,7 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
   return map;
 }
 
-void unfoldForCharts(Cage& cage, int texels)
+void assignChartUVs(Cage& cage, int texels)
 {
   setChartUVs(cage, unfoldCharts(cage, texels, padding));
 }

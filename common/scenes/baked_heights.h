@@ -37,7 +37,7 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake);
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake);
 
 /* Sets only the texture coordinates, for a map that was baked earlier. */
-void unfoldForCharts(Cage& cage, int texels);
+void assignChartUVs(Cage& cage, int texels);
 
 /* Displaces by baked tiles in memory, for cages of some hundred quads. `scale` is in world units per unit of height.
  * Throws Error. */

@@ -53,7 +53,7 @@ Model makeTrex(const TrexSettings& settings)
   else
   {
     if (cached)
-      unfoldForCharts(trex.cage, chartTexels);
+      assignChartUVs(trex.cage, chartTexels);
     else
       bakeCharts(trex.cage, chartTexels, bake).write(path, made);
     DisplacementMap map;

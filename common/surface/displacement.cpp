@@ -33,7 +33,7 @@ public:
     }
   }
 
-  float texelsAlong(unsigned face, unsigned edge) const override { return map->texelsAlong(face, edge); }
+  float texelsAlongEdge(unsigned face, unsigned edge) const override { return map->texelsAlongEdge(face, edge); }
 
 private:
   float height(const FacePoint& p, float level) const
@@ -49,7 +49,7 @@ private:
 
 } // namespace
 
-float Displacement::texelsAlong(unsigned, unsigned) const
+float Displacement::texelsAlongEdge(unsigned, unsigned) const
 {
   return INFINITY;
 }

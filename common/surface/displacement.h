@@ -48,7 +48,7 @@ public:
   virtual void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const;
 
   /* Number of texels from corner `edge` to the next; infinity without a map. */
-  virtual float texelsAlong(unsigned face, unsigned edge) const;
+  virtual float texelsAlongEdge(unsigned face, unsigned edge) const;
 };
 
 /* Default mid level: heights displace by scale * (height - mid level). */

@@ -74,7 +74,7 @@ public:
     }
   }
 
-  float texelsAlong(unsigned, unsigned) const override { return float(levels[0].atlas.tileSize); }
+  float texelsAlongEdge(unsigned, unsigned) const override { return float(levels[0].atlas.tileSize); }
 
 private:
   struct Level

@@ -25,13 +25,13 @@ public:
 
   struct FileInfo
   {
-    unsigned images = 0;         // Ptex: one per face; also pages of a TIFF, parts of an EXR
-    std::vector<int> numbers;    // of the images: a TIFF also contains smaller copies and masks
-    int firstChannel = 0;        // of the requested channels
-    int channels = 0;            // of the first image
-    bool constantBorder = false; // of the first image
-    bool isPlain = true;         // the texture system can read the file itself, see map_image.h
-    size_t missing = 0;          // texels without a value
+    unsigned images = 0;           // Ptex: one per face; also pages of a TIFF, parts of an EXR
+    std::vector<int> numbers;      // of the images: a TIFF also contains smaller copies and masks
+    int firstChannel = 0;          // of the requested channels
+    int channels = 0;              // of the first image
+    bool constantBorder = false;   // of the first image
+    bool isTextureReadable = true; // the texture system can read the file itself, see map_image.h
+    size_t missing = 0;            // texels without a value
   };
 
   /* Reads `count` channels of all images. `channel` is the first one: a name, a number from 0, or empty. Texels

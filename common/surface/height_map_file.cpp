@@ -195,7 +195,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
     const int first = findChannel(input->spec(), channel, count, path);
     input->setChannelRange({first, count, neutral});
     const Texels texels = readImage(*input, number, first, count, path);
-    info.isPlain &= input->isPlain();
+    info.isTextureReadable &= input->isTextureReadable();
     if (info.images++ > 0)
       continue;
     info.firstChannel = first;
@@ -207,7 +207,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   if (info.images == 0)
     throw unreadable(path, "it contains only smaller copies or masks: expected at least one other image");
   info.missing = input->numMissing();
-  info.isPlain &= info.missing == 0;
+  info.isTextureReadable &= info.missing == 0;
   return info;
 }
 

@@ -46,7 +46,7 @@ struct HeightTexture::Implementation
   /* `count` images of the file belong to the texture. */
   void open(const std::string& path, size_t count, const HeightMap::FileInfo& info, const TextureChannels& read)
   {
-    if (!info.isPlain)
+    if (!info.isTextureReadable)
     {
       const OIIO::ImageSpec config = MapImage::configuration({info.firstChannel, read.count, read.neutral});
       cache->add_file(OIIO::ustring(path), [] { return static_cast<OIIO::ImageInput*>(new MapImage); }, &config);

@@ -175,8 +175,8 @@ bool MapImage::describe()
   }
   window = displayWindow(from, format);
   nodata = nodataOf(from);
-  plain = isSampledNatively(from.format) && !isInverted && window == from.roi() && window.xbegin == 0 &&
-          window.ybegin == 0;
+  textureReadable = isSampledNatively(from.format) && !isInverted && window == from.roi() && window.xbegin == 0 &&
+                    window.ybegin == 0;
   m_spec = OIIO::ImageSpec(window.width(), window.height(), from.nchannels, OIIO::TypeDesc::FLOAT);
   m_spec.channelnames = from.channelnames;
   m_spec.alpha_channel = from.alpha_channel;

@@ -39,7 +39,7 @@ public:
   void setChannelRange(const ChannelRange& r) { range = r; }
 
   /* True if the texture system can read the current image itself, unless texels are missing. */
-  bool isPlain() const { return plain; }
+  bool isTextureReadable() const { return textureReadable; }
 
   bool isCopyOrMask() const { return copyOrMask; }
 
@@ -75,7 +75,7 @@ private:
   int image = -1;
   OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;
-  bool plain = false, copyOrMask = false, isInverted = false, isFloating = false;
+  bool textureReadable = false, copyOrMask = false, isInverted = false, isFloating = false;
 };
 
 } // namespace cbvh

@@ -72,7 +72,7 @@ struct Model
   const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
 
   /* A vertex of a copy with its own shape moves as the cage's vertex, which is at p in this pose. */
-  static Vec3f inShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
+  static Vec3f positionInShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
   {
     return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
   }
@@ -86,7 +86,7 @@ struct Model
       {
         const std::vector<Vec3f>& pose = step ? poses[step - 1] : cage.positions;
         for (size_t vertex = 0; vertex < pose.size(); vertex++)
-          all.push_back(copies[i].apply(inShape(pose[vertex], shapeOf(i), cage, vertex)));
+          all.push_back(copies[i].apply(positionInShape(pose[vertex], shapeOf(i), cage, vertex)));
       }
     return all;
   }

@@ -68,7 +68,7 @@ public:
     texture.sample(unsigned(image), uv.x, 1.0f - uv.y, h * at.width.x, h * at.width.y, values);
   }
 
-  float texelsAlong(unsigned face, unsigned edge) const override
+  float texelsAlongEdge(unsigned face, unsigned edge) const override
   {
     const int image = tiles.imageOf(face);
     if (image < 0)
@@ -191,7 +191,7 @@ public:
                    repeat.y * h, values);
   }
 
-  float texelsAlong(unsigned face, unsigned edge) const override
+  float texelsAlongEdge(unsigned face, unsigned edge) const override
   {
     const unsigned n = faceBorders.size(face);
     const Vec2f size = texture.size(texture.numImages() > 1 ? firstImage[face] + (n == 4 ? 0 : edge) : 0);

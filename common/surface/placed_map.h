@@ -27,7 +27,7 @@ public:
   virtual void sample(const FacePoint& p, float level, float* values) const = 0;
 
   /* Along the edge from corner `edge` to the next. */
-  virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
+  virtual float texelsAlongEdge(unsigned face, unsigned edge) const = 0;
 
   /* True if faces may read different values at this point. */
   virtual bool isSeam(unsigned face, FaceBorders::BorderPosition at) const = 0;

@@ -92,7 +92,7 @@ public:
     }
   }
 
-  float texelsAlong(unsigned face, unsigned edge) const override { return map->texelsAlong(face, edge); }
+  float texelsAlongEdge(unsigned face, unsigned edge) const override { return map->texelsAlongEdge(face, edge); }
 
 private:
   Vec3f vector(const FacePoint& p, float level, Vec3f normal) const

@@ -16,7 +16,7 @@ COMPRESSED = {"cGRID": "cGRID", "cVOXEL": "cVOXEL", "cLEAF": "cLEAF-only", "cVER
 COMMAND = "scripts/test.sh --all-isas -R 'hard_cases|invalid_vertices'"
 
 
-def where(row):
+def place(row):
     position = row.run_settings_position
     far = " at " + ", ".join(f"{x:.0f}" for x in position) if any(position) else ""
     return f"{row.scene} {row.representation}, level {row.level}{far}"
@@ -25,23 +25,23 @@ def where(row):
 DARK = ("false_occlusions", "false_passes")
 
 
-def of_thousand(errors, rays="rays", keys=DARK):
+def per_thousand(errors, rays="rays", keys=DARK):
     """Returns a function that computes how many of a thousand rays have errors of these keys."""
     return lambda row: 1000 * sum(row[f"shadow_{errors}_{key}"] for key in keys) / max(1, row[f"shadow_{rays}"])
 
 
-WAYS = {"closest": "closest", "any hit": "any", "through": "through"}
-LEAKS = [("", where, str), ("rays", "leaks_rays", "{:,.0f}")]
-LEAKS += [(head, f"leaks_missed_{key}", "{:.0f}") for head, key in WAYS.items()]
-LEAKS += [(f"GRID: {head}", f"leaks_missed_by_grid_{key}", "{:.0f}") for head, key in WAYS.items()]
+QUERIES = {"closest": "closest", "any hit": "any", "through": "through"}
+LEAKS = [("", place, str), ("rays", "leaks_rays", "{:,.0f}")]
+LEAKS += [(head, f"leaks_missed_{key}", "{:.0f}") for head, key in QUERIES.items()]
+LEAKS += [(f"GRID: {head}", f"leaks_missed_by_grid_{key}", "{:.0f}") for head, key in QUERIES.items()]
 CROSSED = {"sheets": "sheets", "rays": "rays", "closest": "closest", "any hit": "any", "GRID, too": "missed_by_grid"}
 SHEETS = [("", "representation", str), *((head, f"sheets_{key}", "{:,.0f}") for head, key in CROSSED.items())]
-WRONG = {"wrong": ("errors",), "dark": ("errors", "rays", DARK[:1]), "bright": ("errors", "rays", DARK[1:])}
-WRONG |= {"same place": ("same_place_errors", "same_place_rays")}
-WRONG |= {"turned": ("turned_errors",), "control": ("control_errors",)}
-SHADOWS = [("", where, str), ("offset", "shadow_offset", str)]
+ERROR_RATES = {"wrong": ("errors",), "dark": ("errors", "rays", DARK[:1]), "bright": ("errors", "rays", DARK[1:])}
+ERROR_RATES |= {"same place": ("same_place_errors", "same_place_rays")}
+ERROR_RATES |= {"turned": ("turned_errors",), "control": ("control_errors",)}
+SHADOWS = [("", place, str), ("offset", "shadow_offset", str)]
 SHADOWS += [("rays", lambda row: "short" if row.shadow_length > 0 else "infinite", str)]
-SHADOWS += [(head, of_thousand(*errors), "{:.3f}") for head, errors in WRONG.items()]
+SHADOWS += [(head, per_thousand(*errors), "{:.3f}") for head, errors in ERROR_RATES.items()]
 
 
 def tables(frame):
@@ -78,7 +78,7 @@ def read_tests(folder):
     return dict(sorted(cases.items()))
 
 
-def cell(results, kind):
+def verdict(results, kind):
     """Verdict on a case and a kind: whether it holds, and on how many instruction sets."""
     found = {isa: result for (of, isa), result in results.items() if of in (kind, "")}
     failed, passed = ([isa for isa, result in found.items() if result == what] for what in ("failed", "passed"))
@@ -93,5 +93,6 @@ def hard_cases(folder):
     isas = sorted({isa for case in cases.values() for _, isa in case if isa})
     counts = ", ".join(f"{results.count(what)} {what}" for what in ("passed", "failed", "skipped"))
     text = f"{len(cases)} cases, {len(results)} tests on {', '.join(isas)}: {counts}."
-    rows = [[name, sentence, *(cell(found, kind) for kind in COMPRESSED)] for (name, sentence), found in cases.items()]
+    rows = [[name, sentence, *(verdict(of_case, kind) for kind in COMPRESSED)]
+            for (name, sentence), of_case in cases.items()]  # fmt: skip
     return [text, Table(["case", "property", *COMPRESSED.values()], rows, 2)] if cases else [], [COMMAND]

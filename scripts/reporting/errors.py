@@ -22,7 +22,7 @@ def known_errors(row, kind):
     return is_known(row[f"{kind}_p99_pixels"]) and (kind, row.kind) != (MESH, "GRID")
 
 
-def ruling(row):
+def dominant(row):
     """The larger of the errors along the ray. Independent errors add up as squares."""
     total, tessellation = row[f"{TRUE}_rmse_along_ray_pixels"], row.along_of_grid
     if row.kind == "GRID" or not is_known(tessellation):
@@ -30,14 +30,14 @@ def ruling(row):
     return "compression" if total**2 > 2 * tessellation**2 else "tessellation"
 
 
-def over(row, name):
+def error_ratio(row, name):
     """Error of cLEAF-only divided by the error of 4 bits, or None if the latter is 0."""
     ours, bins = COMPARED[name]
     return row[ours] / row[bins] if row[bins] else None
 
 
 def verdict(row):
-    ratios = [over(row, name) for name in ("median", "RMSE away")]
+    ratios = [error_ratio(row, name) for name in ("median", "RMSE away")]
     return "not measured" if None in ratios else "holds" if max(ratios) <= TARGET else "does not hold"
 
 
@@ -52,12 +52,12 @@ for prefix, of in (("mesh: ", MESH), ("true: ", TRUE)):
     BOTH += [column(f"{prefix}bias", of, "bias_pixels", signed)]
     BOTH += [column(f"{prefix}normal", of, "normal_median_degrees", "{:.2f}")]
     BOTH += [column(f"{prefix}(u,v)", of, "uv_median_cells", pixels)]
-BOTH += [column("mesh: flipped", MESH, "flipped_normals", "{:.0f}"), ("rules", ruling, str)]
+BOTH += [column("mesh: flipped", MESH, "flipped_normals", "{:.0f}"), ("rules", dominant, str)]
 BINS = [*WHERE, ("bins: median", lambda row: row.bins_of_4_bits_quantiles_pixels[9], pixels)]
 BINS += [("bins: 90%", lambda row: row.bins_of_4_bits_quantiles_pixels[17], pixels)]
 BINS += [(f"4 bits: {name}", bins, pixels) for name, (_, bins) in COMPARED.items()]
 BINS += [(f"cLEAF-only: {name}", ours, pixels) for name, (ours, _) in COMPARED.items()]
-BINS += [(f"ratio: {name}", lambda row, name=name: over(row, name), "{:.2f}") for name in COMPARED]
+BINS += [(f"ratio: {name}", lambda row, name=name: error_ratio(row, name), "{:.2f}") for name in COMPARED]
 BINS += [(f"up to {TARGET}", verdict, str)]
 
 
@@ -68,8 +68,8 @@ def draw(axes, rows, title, kinds):
         (i + shifts[kind], row[f"{kind}_median_pixels"], row[f"{kind}_p99_pixels"], *SERIES[kind][1:])
         for i, row in enumerate(rows) for kind in kinds if known_errors(row, kind)
     ]  # fmt: skip
-    seen = [error for _, median, p99, *_ in marks for error in (median, p99) if error >= EXACT]
-    low, high = min(seen, default=EXACT) / 3, max(seen, default=EXACT)
+    errors = [error for _, median, p99, *_ in marks for error in (median, p99) if error >= EXACT]
+    low, high = min(errors, default=EXACT) / 3, max(errors, default=EXACT)
     for name, color, mark in (SERIES[kind] for kind in kinds if len(kinds) > 1):
         axes.plot([], [], mark, color=color, label=name)
     for y, median, p99, color, mark in marks:
@@ -79,7 +79,7 @@ def draw(axes, rows, title, kinds):
         axes.text(1.3 * max(p99, low), y, f"{p99:.2g}" if p99 >= EXACT else "none", va="center", fontsize=8)
     f.row_labels(axes, [row.representation for row in rows])
     f.log_axis(axes, "x", low, 6 * high)
-    f.names(axes, title, "pixels, p99 (hollow: median)", columns=2)
+    f.set_labels(axes, title, "pixels, p99 (hollow: median)", columns=2)
 
 
 def section(data):
@@ -104,7 +104,7 @@ def draw_bins(axes, rows):
         axes.plot(row.bins_of_4_bits_quantiles_pixels, range(5, 100, 5), label=name, linewidth=1.4)
     f.log_axis(axes, "x")
     axes.set_ylim(0, 100)
-    f.names(axes, "Bins of 4 bits", "size of a bin along the ray, pixels", "% of hits with smaller bins", 2)
+    f.set_labels(axes, "Bins of 4 bits", "size of a bin along the ray, pixels", "% of hits with smaller bins", 2)
 
 
 def bins(data):

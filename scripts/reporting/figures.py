@@ -55,7 +55,7 @@ def chart(text, height, draw, *arguments):
     return Picture(text, "svg+xml", out.getvalue())
 
 
-def photo(path, text, caption):
+def webp_picture(path, text, caption):
     """Returns a PNG as a Picture in WebP, which is a quarter of its size."""
     out, pil = io.BytesIO(), {"quality": 87, "method": 4}
     matplotlib.image.imsave(out, matplotlib.image.imread(path), format="webp", pil_kwargs=pil)
@@ -84,18 +84,18 @@ def log_ticks(low, high):
     return ticks[:: math.ceil(len(ticks) / 7)]
 
 
-def log_axis(axes, which, low=None, high=None):
+def log_axis(axes, axis_name, low=None, high=None):
     """Makes the axis x or y logarithmic. The default range is that of the drawn data."""
-    axis = getattr(axes, f"{which}axis")
-    axes.set(**{f"{which}scale": "log"})
+    axis = getattr(axes, f"{axis_name}axis")
+    axes.set(**{f"{axis_name}scale": "log"})
     if low is not None:
-        axes.set(**{f"{which}lim": (low, high)})
+        axes.set(**{f"{axis_name}lim": (low, high)})
     axis.set_major_locator(FixedLocator(log_ticks(*axis.get_view_interval())))
     axis.set_major_formatter(FuncFormatter(plain_number))
     axis.set_minor_locator(NullLocator())
 
 
-def names(axes, title, x="", y="", columns=3):
+def set_labels(axes, title, x="", y="", columns=3):
     """Sets title and axis labels. The legend is in a strip below the chart, so that it covers nothing."""
     axes.set(title=title, xlabel=x, ylabel=y)
     handles, texts = axes.get_legend_handles_labels()

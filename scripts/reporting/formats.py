@@ -46,7 +46,7 @@ def mib(count):
     return f"{digits(count / 2**20)} MiB"
 
 
-def spans(values, form):
+def value_range(values, form):
     """The range of the known values; a dash if there are none."""
     found = sorted(value for value in values if is_known(value))
     return " to ".join(dict.fromkeys(form(value) for value in found[:1] + found[-1:])) or "-"

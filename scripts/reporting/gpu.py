@@ -7,7 +7,7 @@ CPU refer to one thread of the same machine and the same pictures."""
 from . import checks
 from . import figures as f
 from .data import in_order
-from .formats import Fold, Title, digits, pixels, ratio, spans, table
+from .formats import Fold, Title, digits, pixels, ratio, table, value_range
 from .noise import noise
 
 RAYS = {"coherent": "coherent", "incoherent": "incoherent", "coherent_any": "coherent, any hit"}
@@ -30,7 +30,7 @@ BUILDS = [
 ]  # fmt: skip
 
 
-def measured(data):
+def device_views(data):
     """Views that devices measured, with the bytes on the device, and ratios to GRID, to NAIVE and to one CPU thread."""
     views = data.every_view.assign(position=data.every_view.run_settings_position.map(str))
     views = views.sort_values(["run_settings_repeat", "run_date"], kind="stable")
@@ -51,7 +51,7 @@ def measured(data):
     return rows.assign(part=rows.held_per_quad / rows.held_per_quad_GRID)
 
 
-def smallest(rows):
+def least_memory(rows):
     """Returns the rows with the least memory, within the granularity of shared buffers; none if GRID or all rows are
     among them."""
     found = rows[rows.held_bytes < rows.held_bytes.min() + SHARED_BUFFER]
@@ -71,47 +71,49 @@ def draw(axes, rows, title, rays):
             axes.annotate(level, (x, y), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
     f.log_axis(axes, "x", rows.held_per_quad.min() / 1.5, rows.held_per_quad.max() * 1.5)
     axes.set_ylim(0, 1.12 * rows[rays].max())
-    f.names(axes, title, "bytes per quad, on the device and imported", "million rays per second")
+    f.set_labels(axes, title, "bytes per quad, on the device and imported", "million rays per second")
 
 
-def facts(rows, known):
+def summary(rows, ray_sets):
     """A sentence on the smallest and the fastest representation and on the ratio to one CPU thread. known: ray sets
     that were measured."""
-    small, words = smallest(rows), []
+    small, texts = least_memory(rows), []
     if len(small):
-        times = ", ".join(f"{spans(small[f'{rays}_of_grid'], ratio)} ({RAYS[rays]})" for rays in known)
-        size, part = spans(small.held_per_quad, digits), spans(100 * small.part, "{:.0f}%".format)
+        times = ", ".join(f"{value_range(small[f'{rays}_of_grid'], ratio)} ({RAYS[rays]})" for rays in ray_sets)
+        size, part = value_range(small.held_per_quad, digits), value_range(100 * small.part, "{:.0f}%".format)
         names = ", ".join(small.representation)
-        words += [f"smallest: {names} with {size} bytes per quad, {part} of GRID, at {times} times GRID's speed"]
+        texts += [f"smallest: {names} with {size} bytes per quad, {part} of GRID, at {times} times GRID's speed"]
     else:
-        words += ["memory consists of a few shared buffers and does not distinguish representations"]
-    for rays in known[:2]:
+        texts += ["memory consists of a few shared buffers and does not distinguish representations"]
+    for rays in ray_sets[:2]:
         speeds = rows.set_index("representation")[f"{rays}_of_grid"]
-        words += [f"fastest with {RAYS[rays]} rays: {speeds.idxmax()} ({ratio(speeds.max())} times GRID)"]
-    cpu = [value for rays in known for value in rows[f"{rays}_of_cpu"].dropna()]
-    return "; ".join(words + [f"{spans(cpu, ratio)} times the speed of one thread of the processor"] * bool(cpu)) + "."
+        texts += [f"fastest with {RAYS[rays]} rays: {speeds.idxmax()} ({ratio(speeds.max())} times GRID)"]
+    cpu = [value for rays in ray_sets for value in rows[f"{rays}_of_cpu"].dropna()]
+    if cpu:
+        texts.append(f"{value_range(cpu, ratio)} times the speed of one thread of the processor")
+    return "; ".join(texts) + "."
 
 
 def of_scene(rows, name):
     """Facts at the finest level with the most representations, charts if memory distinguishes these, and the table."""
     rows = in_order(rows, "level", "quads", "representation")
-    known = [rays for rays in RAYS if rows[rays].notna().any()]
+    ray_sets = [rays for rays in RAYS if rows[rays].notna().any()]
     counts = rows.groupby(["level", "quads"]).representation.nunique()
     level, quads = max(counts.index, key=lambda size: (counts[size], size))
     main, charts, speeds = rows[(rows.level == level) & (rows.quads == quads)], [], []
-    for rays in known:
+    for rays in ray_sets:
         title, text = f"{name}, {RAYS[rays]}", f"Speed against memory on a GPU, {name}, {RAYS[rays]}"
-        shown = len(smallest(main)) and rays != "coherent_any"
+        shown = len(least_memory(main)) and rays != "coherent_any"
         charts += [f.chart(text, 3.9, draw, rows[rows[rays].notna()], title, rays)] if shown else []
         ends = [(head, rays + end, form) for head, (end, form) in SPEEDS.items()]
         speeds += [(f"{RAYS[rays]}: {head}", column, form) for head, column, form in ends if rows[column].notna().any()]
-    sentence = f"{name}, level {level}, {quads / 1e6:.3g} million quads: {facts(main, known)}"
+    sentence = f"{name}, level {level}, {quads / 1e6:.3g} million quads: {summary(main, ray_sets)}"
     return [sentence, charts, table(rows, [*COLUMNS, *speeds, *BUILDS], 2, f"{name}: memory, speed, builds and errors")]
 
 
 def section(data):
     """Devices, GPUs before software devices. The scenes of each device: trex first, or else the largest."""
-    rows, parts, every = measured(data), [], data.table[data.table.on_device_device_bytes.notna()]
+    rows, parts, every = device_views(data), [], data.table[data.table.on_device_device_bytes.notna()]
     every = every.assign(software=every.device.str.contains("llvmpipe"))
     for (_, device, cpu, threads), found in every.groupby(["software", "device", *MACHINE]):
         end, commits = found.run_end.fillna(found.run_date).max(), ", ".join(sorted(set(found.run_commit)))

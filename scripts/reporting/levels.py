@@ -9,16 +9,16 @@ from . import figures as f
 from .data import ISAS, RAY_SETS
 from .formats import percent, pivoted
 
-EXACT = "quads stored as cVERT"
+FALLBACK = "quads stored as cVERT"
 GROWING = ("NAIVE", "NAIVE-compact", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cLEAF-only^2", "cVERT")
-STYLES = {"solid": "-", "dashed": "--", "dotted": ":", "dash-dot": "-."}
+LINE_STYLES = {"solid": "-", "dashed": "--", "dotted": ":", "dash-dot": "-."}
 CHARTS = {  # unit, column, whether its axis is logarithmic
     "Memory": ("MiB", "mib", True), "Build": ("seconds, all threads", "build_seconds", True),
     "Speed, incoherent rays": ("million rays per second, one thread", "incoherent", False),
 }  # fmt: skip
 
 
-def exact_share(row):
+def fallback_share(row):
     """Share of cLEAF's quads that are stored as cVERT; None for other representations."""
     return row.memory_compression_fallback_quads / max(1, row.memory_compression_quads) if row.kind == "cLEAF" else None
 
@@ -28,7 +28,7 @@ def speed(rays):
     return lambda row: row[rays] if row.kind == "GRID" else row[f"{rays}_of_grid"]
 
 
-TABLES = {"bytes per quad": ("memory_bytes_per_quad", "{:.2f}"), EXACT: (exact_share, percent)}
+TABLES = {"bytes per quad": ("memory_bytes_per_quad", "{:.2f}"), FALLBACK: (fallback_share, percent)}
 TABLES |= {f"speed, {rays} rays": (speed(rays), "{:.2f}") for rays in RAY_SETS}
 
 
@@ -39,7 +39,7 @@ def section(data):
     for scene in data.scenes():
         rows = data.full[data.full.scene == scene]
         if rows.level.nunique() > 1 or rows.groupby("kind").frame_level.nunique().max() > 1:
-            frames = {title: rows[rows.kind == "cLEAF"] if title == EXACT else rows for title in TABLES}
+            frames = {title: rows[rows.kind == "cLEAF"] if title == FALLBACK else rows for title in TABLES}
             parts += [
                 pivoted(frame, "level", [("", *TABLES[title])], "level {}".format, f"{scene}: {title}")
                 for title, frame in frames.items() if len(frame)
@@ -50,15 +50,15 @@ def section(data):
 
 def draw(axes, title, unit, column, is_log, rows):
     """Draws a line for each scene and representation."""
-    scenes, seen = dict(zip(sorted(set(rows.scene)), list(STYLES) * len(rows))), set()
+    scenes, labeled = dict(zip(sorted(set(rows.scene)), list(LINE_STYLES) * len(rows))), set()
     for (scene, label), found in rows.groupby(["scene", "representation"], sort=False):
         color, mark = f.KINDS[found.kind.iloc[0]]
-        style = {"color": color, "marker": mark, "markersize": 4.5, "linestyle": STYLES[scenes[scene]]}
-        axes.plot(found.quads, found[column], label=None if label in seen else f.math_label(label), **style)
-        seen.add(label)
+        style = {"color": color, "marker": mark, "markersize": 4.5, "linestyle": LINE_STYLES[scenes[scene]]}
+        axes.plot(found.quads, found[column], label=None if label in labeled else f.math_label(label), **style)
+        labeled.add(label)
     f.log_axis(axes, "x")
     f.log_axis(axes, "y") if is_log else axes.set_ylim(bottom=0)
-    f.names(axes, title, f"quads ({', '.join(f'{scene}: {style}' for scene, style in scenes.items())})", unit)
+    f.set_labels(axes, title, f"quads ({', '.join(f'{scene}: {style}' for scene, style in scenes.items())})", unit)
 
 
 def growth(data):
@@ -73,7 +73,7 @@ def growth(data):
     return [charts] if charts else [], commands
 
 
-def compared(data):
+def by_instruction_set(data):
     """Frames by scene and level of measurements on several instruction sets or CPUs, of this and other machines. For
     each CPU they contain the job that measured the most instruction sets alternately in one process."""
     rows, keys = data.every_view, ["scene", "level", "run_cpu", "isa", "representation"]
@@ -98,7 +98,7 @@ def isa_table(rows, rays, title):
 def isas(data):
     """Tables, and a line for each CPU if there are records of other machines."""
     parts, commands, table = [], [], data.table
-    for (scene, level), rows in compared(data).items():
+    for (scene, level), rows in by_instruction_set(data).items():
         parts += [isa_table(rows, rays, f"{scene}, level {level}, {rays}") for rays in RAY_SETS]
         commands += list(rows.command)
     for cpu, rows in table[table.origin.isin(("here", "elsewhere"))].groupby("run_cpu") if parts else ():

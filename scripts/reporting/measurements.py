@@ -5,12 +5,12 @@
 
 from .data import RAY_SETS, in_order
 from .formats import Fold, percent, pixels, signed, table
-from .levels import exact_share
+from .levels import fallback_share
 
 WHERE = [("level", "level", str), ("", "representation", str)]
 BUILDS = [
     *WHERE, ("MiB", "mib", "{:.2f}"), ("bytes per quad", "memory_bytes_per_quad", "{:.2f}"),
-    ("stored as cVERT", exact_share, percent), ("of GRID", "part_of_grid", percent),
+    ("stored as cVERT", fallback_share, percent), ("of GRID", "part_of_grid", percent),
     ("peak, MiB", lambda row: row.memory_peak_bytes / 2**20, "{:.1f}"), ("build, s", "build_seconds", "{:.3f}"),
 ]  # fmt: skip
 for rays in RAY_SETS:

@@ -31,7 +31,7 @@ def stack(axes, rows, title, unit, scale, texts):
         axes.text(begin + 0.01 * widest, i, text, va="center", fontsize=8.5)
     f.row_labels(axes, [row.representation for row in rows])
     axes.set_xlim(0, 1.3 * widest)
-    f.names(axes, title, unit, columns=2)
+    f.set_labels(axes, title, unit, columns=2)
 
 
 def section(data):

@@ -59,9 +59,10 @@ def section(data, against, source):
     }  # fmt: skip
     facts = {name: "; ".join(dict.fromkeys(values)) for name, values in found.items()}
     parts = [facts, *(f"No data: {problem}; left out" for problem in data.problems), noise(data.here)]
-    apart = compare_runs(data.here, against.here) if against else None
-    if apart is not None:
-        ends = f"{apart.quantile(0.95):.1%}, and at most {apart.max():.1%}: {(apart > 0.05).sum()} by more than 5%."
-        text = f"Two runs: medians of ratios of {len(apart)} combinations differ by {apart.median():.1%} (median)"
-        parts.append(f"{text}, 95 of 100 by less than {ends}" if len(apart) else "Two runs have nothing in common.")
+    changes = compare_runs(data.here, against.here) if against else None
+    if changes is not None:
+        ends = f"{changes.quantile(0.95):.1%}, and at most {changes.max():.1%}"
+        ends += f": {(changes > 0.05).sum()} by more than 5%."
+        text = f"Two runs: medians of ratios of {len(changes)} combinations differ by {changes.median():.1%} (median)"
+        parts.append(f"{text}, 95 of 100 by less than {ends}" if len(changes) else "Two runs have nothing in common.")
     return parts, []

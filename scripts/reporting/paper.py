@@ -40,7 +40,7 @@ def pictures(data, wanted, what):
         path = Path(row.folder) / "pictures" / row.job / Path(str(row[what])).name if row is not None else Path()
         if path.is_file():
             text = caption(row, data.pick(scene, level, "GRID", view), what)
-            found.append(f.photo(path, f"{what.replace('_', ' ')} of {name}", text))
+            found.append(f.webp_picture(path, f"{what.replace('_', ' ')} of {name}", text))
             commands.append(row.command)
         else:
             absent.append(name)
@@ -88,7 +88,7 @@ def bars(axes, title, rows):
     names = [f.math_label(label) for label in labels]
     axes.set_xticks(range(len(names)), names, rotation=40, ha="right", rotation_mode="anchor")
     axes.grid(axis="x", visible=False)
-    f.names(axes, title, y="million rays per second, one thread")
+    f.set_labels(axes, title, y="million rays per second, one thread")
 
 
 def figure_16(data):

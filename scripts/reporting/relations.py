@@ -28,7 +28,7 @@ def part_of_grid(data, scene, label, paper, level=6):
     return none._replace(ours=text, holds=value <= paper + step, command=ours.command)
 
 
-def below(data, scene, view, first, second, what, paper, reason=lambda a, b: ""):
+def is_smaller(data, scene, view, first, second, what, paper, reason=lambda a, b: ""):
     """Holds if a value of the first (level, label) is below the value of the second. reason: function of both rows."""
     column, form = VALUES[what]
     claim = f"{what} of {first[1]} at level {first[0]} is below that of {second[1]} at level {second[0]}"
@@ -83,12 +83,12 @@ def relations(data):
     found = [
         part_of_grid(data, main, LEAF, 20),
         part_of_grid(data, main, VOXEL2, 10),
-        below(data, main, "full", (6, LEAF), (6, VOXEL3), "memory", "94 against 101.4 MiB", blocks_cost_little),
-        below(data, main, "close", (6, LEAF), (6, VOXEL3), "RMSE", "0.064 against 0.146 pixels"),
-        below(data, main, "close", (6, LEAF), (6, VOXEL3), "p99", "not given"),
-        below(data, fine, view, (6, LEAF), (8, VOXEL4), "RMSE", f"{of}0.064 against 0.093 pixels"),
-        below(data, fine, view, (6, LEAF), (8, VOXEL4), "memory", f"{of}94 against 555 MiB"),
-        below(data, "cube", "full", (6, LEAF), (6, VOXEL4), "RMSE", "by the colors of figure 10"),
+        is_smaller(data, main, "full", (6, LEAF), (6, VOXEL3), "memory", "94 against 101.4 MiB", blocks_cost_little),
+        is_smaller(data, main, "close", (6, LEAF), (6, VOXEL3), "RMSE", "0.064 against 0.146 pixels"),
+        is_smaller(data, main, "close", (6, LEAF), (6, VOXEL3), "p99", "not given"),
+        is_smaller(data, fine, view, (6, LEAF), (8, VOXEL4), "RMSE", f"{of}0.064 against 0.093 pixels"),
+        is_smaller(data, fine, view, (6, LEAF), (8, VOXEL4), "memory", f"{of}94 against 555 MiB"),
+        is_smaller(data, "cube", "full", (6, LEAF), (6, VOXEL4), "RMSE", "by the colors of figure 10"),
         part_of_grid(data, "cube", LEAF, 31.3),
         part_of_grid(data, "cube", VOXEL2, 41.6, 7),
         speed_range(data, main, "cGRID", 65, 99, 84),

@@ -6,11 +6,11 @@
 from . import errors, memory
 from . import figures as f
 from .data import RAY_SETS
-from .formats import is_known, mib, percent, pixels, ratio, spans, table
-from .levels import exact_share
+from .formats import is_known, mib, percent, pixels, ratio, table, value_range
+from .levels import fallback_share
 
-FIRST = ("cVERT", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # in order
-SHOWN = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVERT")
+HEADLINE_ORDER = ("cVERT", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")
+CHARTED = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVERT")
 PLACES = [("scene", "scene", str), ("level", "level", str), ("view", "view", str), ("times smaller", "smaller", ratio)]
 PLACES += [(f"{rays} rays, times GRID's", f"{rays}_of_grid", ratio) for rays in RAY_SETS]
 PLACES += [("p99, pixels", "errors_p99_pixels", pixels)]
@@ -24,7 +24,7 @@ def places(data):
     views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid")).copy()
     views["smaller"] = views.memory_live_bytes_grid / views.memory_live_bytes
     order = {"other": views.scene != data.main_scene(), "fine": views.level > 6, "coarse": -views.level}
-    ranks = dict(zip(FIRST, range(len(FIRST))))
+    ranks = dict(zip(HEADLINE_ORDER, range(len(HEADLINE_ORDER))))
     order |= {"part": views["view"] != "full", "rank": views.representation.map(ranks)}
     views = views.assign(**order)[order["rank"].notna()].sort_values(list(order), kind="stable")
     return views[views.representation == next(iter(views.representation), None)]
@@ -49,10 +49,10 @@ def statements(row, found):
     if all(map(is_known, true)):
         error_text += f" To the true surface p99 is {pixels(true[0])}, and {pixels(true[1])} for GRID."
     times, speeds = "times GRID's speed", " and ".join(ratio(row[f"{name}_of_grid"]) for name in rays)
-    errors_of_all = spans(found.errors_p99_pixels, pixels)
-    of_all = spans([*found.coherent_of_grid, *found.incoherent_of_grid], ratio)
+    errors_of_all = value_range(found.errors_p99_pixels, pixels)
+    of_all = value_range([*found.coherent_of_grid, *found.incoherent_of_grid], ratio)
     return [
-        (f"{ratio(row.smaller)} times smaller", memory_text, f"{spans(found.smaller, ratio)} times smaller"),
+        (f"{ratio(row.smaller)} times smaller", memory_text, f"{value_range(found.smaller, ratio)} times smaller"),
         (f"{speeds} {times}" if rays else "no speed", f"{traced} per second.", f"{of_all} {times}"),
         (f"{pixels(row.errors_p99_pixels)} pixels of error", error_text, f"{errors_of_all} pixels"),
     ]
@@ -67,7 +67,7 @@ def draw_speed(axes, rows):
     f.row_labels(axes, [row.representation for row in rows])
     axes.set_xlim(0, 1.25 * max(axes.get_xlim()[1], 1.0))
     axes.axvline(1.0, color=f.INK, linewidth=0.8, linestyle=":")
-    f.names(axes, "Speed", "multiples of GRID's", columns=2)
+    f.set_labels(axes, "Speed", "multiples of GRID's", columns=2)
 
 
 def first_screen(data):
@@ -76,16 +76,16 @@ def first_screen(data):
     if found.empty:
         return {"on_gpu": (data.table.origin == "gpu").any()}
     row = found.iloc[0]
-    rows = [row for row in (data.pick(row.scene, row.level, label) for label in SHOWN) if row is not None]
+    rows = [row for row in (data.pick(row.scene, row.level, label) for label in CHARTED) if row is not None]
     height, texts = 1.6 + 0.28 * len(rows), [f"{row.memory_bytes_per_quad:.2f}" for row in rows]
     per_quad = (memory.stack, rows, "Memory", "bytes per quad", lambda row: 1 / row.quads, texts)
     charts = [f.chart("Bytes per quad", height, *per_quad), f.chart("Speed relative to GRID", height, draw_speed, rows)]
     charts.append(f.chart("Error", height, errors.draw, rows, "Error", [errors.MESH]))
-    shares = [(row.representation, exact_share(row)) for row in rows if exact_share(row)]
-    exact = [f"{label} stores {percent(share)} of its quads exactly." for label, share in shares]
+    shares = [(row.representation, fallback_share(row)) for row in rows if fallback_share(row)]
+    fallbacks = [f"{label} stores {percent(share)} of its quads exactly." for label, share in shares]
     caption = (
         f"{row.scene}, level {row.level}, {row['view']} view, single rays, one thread of {row.run_cpu} ({data.isa}). "
-        f"Errors are distances to GRID's hits: p99, hollow the median. {' '.join(exact)}"
+        f"Errors are distances to GRID's hits: p99, hollow the median. {' '.join(fallbacks)}"
     )
     everywhere = table(found.sort_values(["scene", "level", "view"]), PLACES, 3)
     found = {"statements": statements(row, found), "charts": charts, "caption": caption, "places": everywhere}

@@ -52,7 +52,8 @@ def draw(axes, frame, title, unit, low):
         f.log_axis(axes, "y", frame.value.min() / 1.5, frame.value.max() * 1.5)
     else:
         axes.set_ylim(0, 1.1 * frame.value.max())
-    f.names(axes, title, "error, pixels, p99" + (" (left edge: none)" if frame.error.min() < EXACT else ""), unit, 4)
+    left_edge = " (left edge: none)" if frame.error.min() < EXACT else ""
+    f.set_labels(axes, title, f"error, pixels, p99{left_edge}", unit, 4)
 
 
 def section(data):

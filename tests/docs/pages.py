@@ -101,7 +101,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(lonely, [])
 
     def test_the_picture_of_the_folders_shows_the_code(self):
-        command = [sys.executable, "-B", ROOT / "scripts/draw_rooms.py", "--check"]
+        command = [sys.executable, "-B", ROOT / "scripts/draw_includes.py", "--check"]
         done = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 

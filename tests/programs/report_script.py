@@ -332,7 +332,7 @@ class Report(unittest.TestCase):
         percent = f"{100 * exact['fallback_quads'] / exact['quads']:.1f}"
         self.assertAlmostEqual(exact["fallback_quads_share"], exact["fallback_quads"] / exact["quads"])
         parts, _ = levels.section(self.data())
-        (table,) = [part for part in parts if part.title == f"cube: {levels.EXACT}"]
+        (table,) = [part for part in parts if part.title == f"cube: {levels.FALLBACK}"]
         self.assertIn(("cLEAF^2", percent + "%"), [(row[0], row[2]) for row in table.rows])
         self.assertEqual({row[0] for row in table.rows}, {"cLEAF^2", "cLEAF^3"}, "only cLEAF has faces of two forms")
         self.assertEqual(self.run_without_charts(self.records).returncode, 0)
@@ -384,7 +384,7 @@ class Report(unittest.TestCase):
         self.assertLessEqual(set(both), set(drawn["Speed, coherent rays"][1].representation))
         self.assertLessEqual(set(both), set(drawn["Memory over the number of quads"][-1].representation))
         for table in levels.section(data)[0]:
-            if table.title != f"cube: {levels.EXACT}":
+            if table.title != f"cube: {levels.FALLBACK}":
                 self.assertEqual([row[0] for row in table.rows][:3], [*both, "GRID"], table.title)
         fronts = [rest[0] for text, rest in drawn.items() if "against error" in text]
         self.assertTrue(fronts)
@@ -409,7 +409,7 @@ class Report(unittest.TestCase):
                 result["isa"] = "avx512"
         (folder / "cube_L2-6.json").write_text(json.dumps(record))
         before = self.data()
-        self.assertEqual(levels.compared(before), {})
+        self.assertEqual(levels.by_instruction_set(before), {})
         data = self.data(beside=[folder])
         self.assertEqual((data.isa, len(data.here)), (before.isa, len(before.here)), "other sections must not show it")
         parts, _ = levels.isas(data)
@@ -447,7 +447,7 @@ class Report(unittest.TestCase):
             else:
                 width = 0
         data = self.data(folder)
-        (rows,) = [rows for (_, level), rows in levels.compared(data).items() if level == 6]
+        (rows,) = [rows for (_, level), rows in levels.by_instruction_set(data).items() if level == 6]
         self.assertLessEqual({"sse4.2", "avx"}, set(rows.isa))
         (table,) = [part for part in levels.section(data)[0] if part.title == "cube: bytes per quad"]
         self.assertEqual(table.heads, ["", "level 2", "level 6"])
@@ -737,7 +737,7 @@ class Report(unittest.TestCase):
             change(other["run"])
             (folder / "gpu_cube_cpu_L2-6.json").write_text(json.dumps(other))
             data = self.data(folder)
-            rows = gpu.measured(data)
+            rows = gpu.device_views(data)
             rows = rows[(rows.device == GPU) & (rows["view"] == "full") & (rows.level == 6)]
             self.assertEqual(set(rows.scene), {"cube"})
             (row,) = [row for _, row in rows.iterrows() if row.representation == "cLEAF^2"]
@@ -800,7 +800,7 @@ class Report(unittest.TestCase):
                 group.update(scene="herd", quads=group["quads"] * count)
             (folder / f"herd_{count}.json").write_text(json.dumps(record))
         data = self.data(folder)
-        rows = gpu.measured(data)
+        rows = gpu.device_views(data)
         self.assertEqual(sorted(rows[(rows["view"] == "full") & (rows.kind == "GRID")].level), [2, 2, 6, 6])
         (table,) = [part for part in gpu.section(data)[0] if isinstance(part, formats.Table)]
         sizes = {row[2] for row in table.rows if row[0] == "6"}

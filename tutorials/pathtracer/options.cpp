@@ -42,7 +42,8 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
 {
   PathTracerOptions o;
   std::vector<std::string> files;
-  std::string representation = wordOf(RepresentationKind::CVert), size = "512x512", device = "auto", shutter = "0,1";
+  std::string representation = optionNameOf(RepresentationKind::CVert);
+  std::string size = "512x512", device = "auto", shutter = "0,1";
 
   CLI::App app("Renders a displaced subdivision surface by path tracing, entirely in a shader on a Vulkan device, or\n"
                "with the same random numbers on the CPU. Writes a picture, or shows it in a window sample by sample.",
@@ -95,7 +96,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   if (!o.scene.meshPath.empty() || (o.representation.isTriangulated() && app.count("--level") == 0))
     o.autoLevel = false; // unsupported for meshes and triangles
   if (o.autoLevel && o.representation.isTriangulated())
-    throw Error("--level auto does not support " + wordOf(o.representation.kind) +
+    throw Error("--level auto does not support " + optionNameOf(o.representation.kind) +
                 ", which has one level for all edges: expected " + levelRange());
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);

@@ -9,7 +9,7 @@
  * under the interpreter's lock, and calls `progress`. An exception (KeyboardInterrupt, or one of `progress`) cancels
  * the work and is raised once it has stopped.
  *
- * common/ has only one flag for cancellation, so calls from other threads wait for their turn. */
+ * common/ has only one flag for cancellation, so concurrent calls run one after the other. */
 
 #include <pybind11/pybind11.h>
 

@@ -348,7 +348,7 @@ std::string wordsOf(bool (Representation::*is)() const, const std::string& quote
   std::string words;
   for (RepresentationKind kind : representationKinds())
     if ((Representation{kind}.*is)())
-      words += (words.empty() ? "" : ", ") + quote + wordOf(kind) + quote;
+      words += (words.empty() ? "" : ", ") + quote + optionNameOf(kind) + quote;
   return words;
 }
 

@@ -17,7 +17,7 @@ namespace {
 struct Words
 {
   std::vector<std::string> files;
-  std::string representations = wordOf(RepresentationKind::CVert), size = "1024x1024", crop;
+  std::string representations = optionNameOf(RepresentationKind::CVert), size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
   LevelOptions levels;
   bool compare = false;
@@ -103,7 +103,7 @@ void chooseLevel(const CLI::App& app, const Words& words, Options& o)
                                          [](const Representation& r) { return r.isTriangulated(); });
   const bool isTriangulated = triangulated != o.representations.end();
   if (o.autoLevel && isGiven && isTriangulated)
-    throw Error("--level auto does not support " + wordOf(triangulated->kind) +
+    throw Error("--level auto does not support " + optionNameOf(triangulated->kind) +
                 ", which has one level for all edges: expected " + levelRange());
   if (!isGiven && (o.compares() || isTriangulated || o.speed))
     o.autoLevel = false;

@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* Takes rows from the top; at least one pixel remains. */
+/* Removes rows from the top of `rest` and returns them; at least one row remains. */
 Rectangle splitRows(Rectangle& rest, int rows)
 {
   const Rectangle part{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};

@@ -126,9 +126,9 @@ void Panel::drawPanel(const Rectangle& area)
   ImGui::SetNextWindowPos(ImVec2(float(area.x), float(area.y)), ImGuiCond_Always);
   ImGui::SetNextWindowSize(ImVec2(float(area.width), float(area.height)), ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(1.0f);
-  if (changeFold)
+  if (foldToggled)
     ImGui::SetNextWindowCollapsed(!folded, ImGuiCond_Always);
-  changeFold = false;
+  foldToggled = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
   folded = !ImGui::Begin(title().c_str(), nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (!folded)

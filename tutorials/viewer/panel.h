@@ -21,11 +21,11 @@ public:
   /* `window` is in units of the window and at least 1 x 1. */
   WindowLayout layout(ImageSize window) const;
 
-  void fold() { changeFold = true; } // toggles, as does hide()
-  void hide() { hidden = !hidden; }
+  void toggleFolded() { foldToggled = true; }
+  void toggleHidden() { hidden = !hidden; }
 
   /* Shows or hides the question whether to quit. The window handles the keys of the answer. */
-  void ask(bool now) { asking = now; }
+  void askToQuit(bool show) { asking = show; }
   bool isAsking() const { return asking; }
   bool quitChosen() const { return quit; }
 
@@ -54,7 +54,7 @@ private:
   const unsigned threads;
   float strength = 0; // while the user changes it
   bool changesStrength = false;
-  bool changeFold = false, folded = false, hidden = false, asking = false, quit = false;
+  bool foldToggled = false, folded = false, hidden = false, asking = false, quit = false;
 };
 
 } // namespace cbvh

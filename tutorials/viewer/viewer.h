@@ -41,7 +41,7 @@ public:
 
   /* --- every frame --- */
 
-  /* Takes finished background work and starts the next task. Throws Canceled after a signal. */
+  /* Adopts the result of a finished task and starts the next one. Throws Canceled after a signal. */
   void update();
 
   /* Renders after a change, or adds a sample to an incomplete picture. Returns true if it did. */

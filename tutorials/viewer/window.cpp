@@ -230,7 +230,7 @@ private:
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_Y || key == GLFW_KEY_Q)
       glfwSetWindowShouldClose(window, 1);
     else if (key == GLFW_KEY_ESCAPE || key == GLFW_KEY_N)
-      panel.ask(false);
+      panel.askToQuit(false);
   }
 
   /* Handles key repeats, too. Returns false for other keys. */
@@ -284,9 +284,9 @@ private:
     case GLFW_KEY_U: switchUp(shift); break;
     case GLFW_KEY_PAGE_UP: walkSpeed *= 1.2f; break;
     case GLFW_KEY_PAGE_DOWN: walkSpeed /= 1.2f; break;
-    case GLFW_KEY_TAB: panel.fold(); break;
-    case GLFW_KEY_H: panel.hide(); break;
-    case GLFW_KEY_ESCAPE: panel.ask(true); break;
+    case GLFW_KEY_TAB: panel.toggleFolded(); break;
+    case GLFW_KEY_H: panel.toggleHidden(); break;
+    case GLFW_KEY_ESCAPE: panel.askToQuit(true); break;
     case GLFW_KEY_Q: glfwSetWindowShouldClose(window, 1); break;
     default: break;
     }

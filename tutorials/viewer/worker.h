@@ -32,7 +32,7 @@ public:
   /* True until join(), even after the task has ended. */
   bool hasTask() const { return task.valid(); }
 
-  /* Makes the task end early and join() throw Canceled. Does nothing without a task. */
+  /* The task then ends early, and join() throws Canceled. Does nothing without a task. */
   void cancel();
 
   bool finished() const;

@@ -4,8 +4,8 @@
 
 """Draws the includes between folders, and writes the diagram into docs/architecture.md.
 
-    scripts/draw_rooms.py            writes the Mermaid diagram between the page's two markers
-    scripts/draw_rooms.py --check    exits with 1 if the page has a different diagram
+    scripts/draw_includes.py            writes the Mermaid diagram between the page's two markers
+    scripts/draw_includes.py --check    exits with 1 if the page has a different diagram
 
 An arrow means "includes". Arrows that follow from two others are left out to keep the diagram readable.
 """
@@ -17,10 +17,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/architecture.md"
-BEGIN, END = "<!-- begin: scripts/draw_rooms.py -->", "<!-- end -->"
+BEGIN, END = "<!-- begin: scripts/draw_includes.py -->", "<!-- end -->"
 
 # Folders and their purposes, from applications down. A file belongs to the longest matching folder.
-ROOMS = {
+FOLDERS = {
     "tutorials": "programs, Python module, examples",
     "common": "cages, maps, cameras, ray sets, metrics, images",
     "kernels/beside/interposer": "subdivision geometry of Embree 4 programs",
@@ -50,9 +50,9 @@ ROOMS = {
 }
 
 
-def room_of(path):
-    """Returns the folder of ROOMS that contains a path, or None. The path is relative to the repository."""
-    inside = [room for room in ROOMS if path.startswith(room + "/")]
+def folder_of(path):
+    """Returns the longest of FOLDERS that contains a path, or None. The path is relative to the repository."""
+    inside = [folder for folder in FOLDERS if path.startswith(folder + "/")]
     return max(inside, key=len, default=None)
 
 
@@ -75,45 +75,45 @@ def target_of(file, include):
 def arrows():
     """Returns pairs of different folders where a file of the first includes a header of the second."""
     found = set()
-    for room in ROOMS:
-        for file in sorted((ROOT / room).rglob("*")):
+    for folder in FOLDERS:
+        for file in sorted((ROOT / folder).rglob("*")):
             if file.suffix not in (".h", ".cpp", ".glsl", ".comp"):
                 continue
-            source = room_of(str(file.relative_to(ROOT)))
+            source = folder_of(str(file.relative_to(ROOT)))
             for include in re.findall(r'^\s*#include [<"]([^>"]+)[>"]', file.read_text(), re.MULTILINE):
                 target = target_of(file, include)
-                other = room_of(target) if target else None
+                other = folder_of(target) if target else None
                 if other and other != source:
                     found.add((source, other))
     return found
 
 
-def reaches(graph, start, end):
+def has_path(graph, start, end):
     """True if a path of arrows leads from start to end."""
-    todo, seen = [start], set()
-    while todo:
-        room = todo.pop()
+    pending, visited = [start], set()
+    while pending:
+        folder = pending.pop()
         for source, target in graph:
-            if source == room and target not in seen:
+            if source == folder and target not in visited:
                 if target == end:
                     return True
-                seen.add(target)
-                todo.append(target)
+                visited.add(target)
+                pending.append(target)
     return False
 
 
-def without_implied(graph):
+def transitive_reduction(graph):
     """Removes arrows that follow from others."""
-    return {arrow for arrow in graph if not reaches(graph - {arrow}, *arrow)}
+    return {arrow for arrow in graph if not has_path(graph - {arrow}, *arrow)}
 
 
 def diagram():
     """Returns the diagram as a Mermaid flowchart."""
-    names = {room: re.sub(r"\W", "_", room) for room in ROOMS}
+    names = {folder: re.sub(r"\W", "_", folder) for folder in FOLDERS}
     lines = ["```mermaid", "flowchart TD"]
-    lines += [f'  {names[room]}["<b>{room}</b><br>{purpose}"]' for room, purpose in ROOMS.items()]
-    order = list(ROOMS)
-    drawn = sorted(without_implied(arrows()), key=lambda arrow: tuple(map(order.index, arrow)))
+    lines += [f'  {names[folder]}["<b>{folder}</b><br>{purpose}"]' for folder, purpose in FOLDERS.items()]
+    order = list(FOLDERS)
+    drawn = sorted(transitive_reduction(arrows()), key=lambda arrow: tuple(map(order.index, arrow)))
     lines += [f"  {names[source]} --> {names[target]}" for source, target in drawn]
     return "\n".join([*lines, "```"])
 
@@ -130,7 +130,7 @@ def main():
         PAGE.write_text(drawn)
     elif drawn != page:
         sys.exit(
-            f"{PAGE.relative_to(ROOT)}: the diagram differs from the includes of the code, run scripts/draw_rooms.py"
+            f"{PAGE.relative_to(ROOT)}: the diagram differs from the includes of the code, run scripts/draw_includes.py"
         )
 
 
