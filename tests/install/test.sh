@@ -37,6 +37,20 @@ for link in $(find "$work/prefix" -type l); do
   esac
 done
 
+# All libraries and programs are hardened, if the build is optimized.
+for binary in "$work"/prefix/lib/*.so.* "$work"/prefix/lib/embree_cbvh/*.so.* "$work"/prefix/bin/*; do
+  [ -f "$binary" ] && [ ! -L "$binary" ] || continue
+  readelf -Wldh "$binary" > "$work/elf"
+  grep -q 'Type: *DYN' "$work/elf" || fail "$binary is not position independent"
+  grep -q 'GNU_RELRO' "$work/elf" || fail "$binary has no RELRO"
+  grep -Eq 'BIND_NOW|FLAGS.* NOW' "$work/elf" || fail "$binary is not bound immediately"
+  # Our programs print numbers, for which the C library has checked functions.
+  case ${binary##*/} in
+    cbvh_*) ! grep -q '^CMAKE_BUILD_TYPE:[^=]*=Release' "$build/CMakeCache.txt" ||
+      nm -D --undefined-only "$binary" | grep -q '_chk' || fail "$binary does not use checked functions" ;;
+  esac
+done
+
 cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
 # Without TBB's CMake files, which users of the shared library do not need.
 "$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON \
