@@ -27,7 +27,7 @@ namespace embree
         /* A single ray's arrays have an unused fourth element, so that one vector store writes them: a vector load
          * waits for several smaller stores. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
-        alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
+        alignas(Real) alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
         Real largestComponent; //!< largest absolute component of dir
 
         /*! Sets all members but rcp. */
