@@ -55,7 +55,7 @@ TEST(References, EachReferenceHasOneType)
     count++;
   };
   for (uint32_t index : indices) {
-    for (uint32_t type : {nodeReference, cellReference, instanceReference})
+    for (uint32_t type : {nodeReference, gridLeafReference, instanceReference})
       add(makeReference(type, index), type, index);
     for (uint32_t kind = 0; kind < numKinds + 14; kind++) {
       add(makeReference(blockReference(kind), index), blockReference(kind), index);
@@ -69,7 +69,7 @@ TEST(References, EachReferenceHasOneType)
     }
   }
   EXPECT_EQ(references.size(), count);
-  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)})
+  for (uint32_t type : {nodeReference, gridLeafReference, instanceReference, referenceType(emptyReference)})
     EXPECT_FALSE(isRunType(type));
 }
 

@@ -15,7 +15,7 @@ CVERT_CONSTANT uint32_t referenceShift = 27u;
 CVERT_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
 
 CVERT_CONSTANT uint32_t nodeReference = 0u;       //!< 0, so that the reference is the index
-CVERT_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a GRID grid
+CVERT_CONSTANT uint32_t gridLeafReference = 1u;   //!< 2 x 2 quads of a grid of GRID
 CVERT_CONSTANT uint32_t instanceReference = 2u;
 CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< node with moving children
 CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles, starting at the index

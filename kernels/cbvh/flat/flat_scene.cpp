@@ -27,7 +27,7 @@ namespace embree
         std::vector<FlatNode> ownNodes;
         std::vector<FlatMovingNode> ownMovingNodes;
         std::vector<FlatBlock> ownBlocks;
-        std::vector<FlatCell> ownCells;
+        std::vector<FlatGridLeaf> ownGridLeaves;
         std::vector<FlatGeometry> ownGeometries;
         std::vector<std::unique_ptr<float[]>> ownTransforms;
       };
@@ -124,13 +124,13 @@ namespace embree
           size_t type;
           const char* data = ref.leaf(type);
           if (grid) { // Embree encodes the first vertex of 2 x 2 quads, plus 1, above the 4 bits of the leaf type
-            out.ownCells.push_back(FlatCell{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
-            return makeReference(cellReference,checkedIndex(out.ownCells.size()-1));
+            out.ownGridLeaves.push_back(FlatGridLeaf{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
+            return makeReference(gridLeafReference,checkedIndex(out.ownGridLeaves.size()-1));
           }
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
-            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,
-                                               ids[root->geomID()] });
+            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,
+                                               gridLeafReference,ids[root->geomID()] });
             return copySubtree(root->root(),root,checkedIndex(out.ownBlocks.size()-1),nodesAbove);
           }
           if (type == MOVING_MESH_BLOCK)
@@ -274,8 +274,8 @@ namespace embree
         flat->numMovingNodes = flat->ownMovingNodes.size();
         flat->blocks = flat->ownBlocks.data();
         flat->numBlocks = flat->ownBlocks.size();
-        flat->cells = flat->ownCells.data();
-        flat->numCells = flat->ownCells.size();
+        flat->gridLeaves = flat->ownGridLeaves.data();
+        flat->numGridLeaves = flat->ownGridLeaves.size();
         flat->geometries = flat->ownGeometries.data();
         flat->numGeometries = flat->ownGeometries.size();
         return flat;

@@ -22,7 +22,7 @@ namespace embree
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
-      uint32_t children[4];           //!< references (reference.h) to nodes, blocks or cells
+      uint32_t children[4];           //!< references (reference.h) to nodes, blocks or leaves of grids
     };
 
     /*! A plane at time t is its position at time 0 plus t times its difference: conservative in float, fused or not. A
@@ -39,13 +39,13 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid */
+      /*! blockReference(kind), movingBlockReference, meshBlockReference, or gridLeafReference for a grid */
       uint32_t type;
       uint32_t geomID;   //!< in this scene; blocks store the surface number
     };
 
-    /*! 2 x 2 quads of a grid. */
-    struct FlatCell
+    /*! Leaf of a grid of GRID: 2 x 2 quads. */
+    struct FlatGridLeaf
     {
       uint32_t block;    //!< index of the grid in blocks
       uint32_t vertex;   //!< vertex of the grid at the corner with the lowest u and v
@@ -91,9 +91,9 @@ namespace embree
       FlatNode* nodes;
       FlatMovingNode* movingNodes;
       FlatBlock* blocks;
-      FlatCell* cells;
+      FlatGridLeaf* gridLeaves;
       FlatGeometry* geometries;  //!< by geomID
-      size_t numNodes, numMovingNodes, numBlocks, numCells, numGeometries;
+      size_t numNodes, numMovingNodes, numBlocks, numGridLeaves, numGeometries;
     };
   }
 }
@@ -105,7 +105,7 @@ extern "C" {
 /* Flattens a committed scene. The caller must release the result with rtcReleaseFlatScene. If isSupported is false for
  * a geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
  * scene's device if the scene is not committed, contains a damaged block of a file or a moving mesh block, or has more
- * nodes, blocks or cells than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
+ * nodes, blocks or leaves than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */

@@ -31,7 +31,7 @@ bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
 void requireValid(const FlatBlock& block)
 {
-  if (block.type == cellReference) return;
+  if (block.type == gridLeafReference) return;
   cvert::Reason reason;
   if (block.type == meshBlockReference) reason = cvert::validateMesh(block.data, block.bytes);
   else if (isVert(block)) {
@@ -59,7 +59,7 @@ struct BlockUpload
 
   explicit BlockUpload(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
   {
-    if (block.type != cellReference) return;
+    if (block.type != gridLeafReference) return;
     std::memcpy(header, data, sizeof(header));
     headerBytes = sizeof(header);
     const size_t skip = sizeof(header) + header[gridOffsetWord];

@@ -19,7 +19,7 @@ struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevic
 using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
 /* The traced scene, or a scene that it instances. */
-struct Part
+struct InputScene
 {
   RTCScene scene;
   std::unique_ptr<const FlatScene, FlatRelease> flat;
@@ -27,9 +27,9 @@ struct Part
   Subtree tree;
 };
 
-std::string nameOf(const Part& part, const Part& top, size_t geomID)
+std::string nameOf(const InputScene& input, const InputScene& top, size_t geomID)
 {
-  return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
+  return "geometry " + std::to_string(geomID) + (&input == &top ? "" : " of an instanced scene");
 }
 
 /* True if Embree accepts the vertex: with larger coordinates, areas of boxes would overflow. */
@@ -73,66 +73,66 @@ bool isInvertible(const FlatGeometry& instance)
 } // namespace
 
 /* Converts a committed scene of Embree to the layout of scene_layout.h and uploads it, in the constructor. A scene and
- * the scenes that it instances are "parts", whose nodes, blocks and geometries share arrays. */
+ * the scenes that it instances are its inputs. Their nodes, blocks and geometries share arrays. */
 class SceneUpload
 {
 public:
   SceneUpload(Scene& out, RTCScene scene, const SceneOptions& options)
     : out(out), device(out.device), options(options), memory(options.memory), uploader(device)
   {
-    addPart(scene);
-    for (size_t i = 0; i < parts.size(); i++) addInstancedScenes(i);
+    addScene(scene);
+    for (size_t i = 0; i < inputs.size(); i++) addInstancedScenes(i);
     checkGeometries();
     placeBlocks();
-    for (Part& part : parts) buildTree(part);
+    for (InputScene& input : inputs) buildTree(input);
     write();
   }
 
 private:
-  void addPart(RTCScene scene)
+  void addScene(RTCScene scene)
   {
-    if (partOf.count(scene)) return;
-    Part part;
-    part.scene = scene;
-    part.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
-    if (!part.flat) {
+    if (inputIndex.count(scene)) return;
+    InputScene input;
+    input.scene = scene;
+    input.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
+    if (!input.flat) {
       /* rtcFlattenScene reported the error to the scene's RTCDevice */
       const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
       throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION,
                         "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that "
                         "says why");
     }
-    part.firstGeometry = numGeometries;
-    numGeometries += uint32_t(part.flat->numGeometries);
-    partOf[scene] = parts.size();
-    parts.push_back(std::move(part));
+    input.firstGeometry = numGeometries;
+    numGeometries += uint32_t(input.flat->numGeometries);
+    inputIndex[scene] = inputs.size();
+    inputs.push_back(std::move(input));
   }
 
-  void addInstancedScenes(size_t p)
+  void addInstancedScenes(size_t s)
   {
-    for (size_t i = 0; i < parts[p].flat->numGeometries; i++)
+    for (size_t i = 0; i < inputs[s].flat->numGeometries; i++)
     {
-      const FlatGeometry& geometry = parts[p].flat->geometries[i];
+      const FlatGeometry& geometry = inputs[s].flat->geometries[i];
       if (geometry.type != FLAT_INSTANCE) continue;
-      if (p != 0)
-        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i)
+      if (s != 0)
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i)
                           + " is an instance: scenes with instances cannot be instanced, "
                             "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       if (!geometry.instanced)
-        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " instances no scene");
-      addPart(geometry.instanced);
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i) + " instances no scene");
+      addScene(geometry.instanced);
     }
   }
 
   /* Throws VulkanError for geometry that shaders cannot trace. */
   void checkGeometries() const
   {
-    for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numGeometries; i++)
+    for (const InputScene& input : inputs)
+      for (size_t i = 0; i < input.flat->numGeometries; i++)
       {
-        const FlatGeometry& geometry = part.flat->geometries[i];
+        const FlatGeometry& geometry = input.flat->geometries[i];
         if (geometry.type == FLAT_NONE) continue;
-        const std::string name = nameOf(part, parts[0], i);
+        const std::string name = nameOf(input, inputs[0], i);
         if (geometry.type == FLAT_OTHER)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                             name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
@@ -153,21 +153,21 @@ private:
 
   /* --- blocks --- */
 
-  /* Imports or copies the blocks of all parts, and sets `blocks`. */
+  /* Imports or copies the blocks of all inputs, and sets `blocks`. */
   void placeBlocks()
   {
     size_t count = 0;
-    for (const Part& part : parts) {
+    for (const InputScene& input : inputs) {
       firstBlock.push_back(uint32_t(count));
-      count += part.flat->numBlocks;
+      count += input.flat->numBlocks;
       requireReferences(count, "blocks");
     }
     std::vector<PlacedBlock> placed;
     placed.reserve(count);
-    for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numBlocks; i++) {
-        const FlatBlock& block = part.flat->blocks[i];
-        placed.push_back({&block, part.flat->geometries[block.geomID].build});
+    for (const InputScene& input : inputs)
+      for (size_t i = 0; i < input.flat->numBlocks; i++) {
+        const FlatBlock& block = input.flat->blocks[i];
+        placed.push_back({&block, input.flat->geometries[block.geomID].build});
       }
     const bool isRequired = memory == RTC_VULKAN_MEMORY_IMPORT;
     const bool isShared = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
@@ -191,11 +191,11 @@ private:
 
   /* --- trees --- */
 
-  /* Joins the part's trees over blocks with new trees over its triangles and instances. */
-  void buildTree(Part& part)
+  /* Joins the scene's trees over blocks with new trees over its triangles and instances. */
+  void buildTree(InputScene& input)
   {
-    const size_t p = size_t(&part - parts.data());
-    const FlatScene& flat = *part.flat;
+    const size_t s = size_t(&input - inputs.data());
+    const FlatScene& flat = *input.flat;
     std::vector<Item> triangles, instances;
     for (size_t i = 0; i < flat.numGeometries; i++) {
       const FlatGeometry& geometry = flat.geometries[i];
@@ -205,19 +205,20 @@ private:
       instances.push_back({worldBounds(geometry, geometry.lower, geometry.upper), uint32_t(i),
                            RTC_INVALID_GEOMETRY_ID});
     }
-    const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
-    copyNodes(flat, p);
+    const HeldRTCDevice embree(rtcGetSceneDevice(input.scene));
+    copyNodes(flat, s);
     const auto copyTree = [&](const FlatTree& from) {
       Subtree subtree;
       if (from.root == emptyReference) return subtree;
-      subtree.root = renumbered(from.root, p);
+      subtree.root = renumbered(from.root, s);
       std::copy(from.lower, from.lower + 3, subtree.bounds.lower);
       std::copy(from.upper, from.upper + 3, subtree.bounds.upper);
       subtree.depth = from.depth;
       return subtree;
     };
-    part.tree = tree.join({copyTree(flat.staticTree), copyTree(flat.movingTree),
-                           tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
+    input.tree = tree.join({copyTree(flat.staticTree), copyTree(flat.movingTree),
+                            tree.buildTriangles(embree.get(), triangles),
+                            tree.buildInstances(embree.get(), instances)});
   }
 
   static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
@@ -240,59 +241,59 @@ private:
     }
   }
 
-  struct PartOffsets { size_t node, movingNode, cell; };
+  struct SceneOffsets { size_t node, movingNode, leaf; };
 
-  /* Appends nodes and cells of part p to the scene's arrays. */
-  void copyNodes(const FlatScene& flat, size_t p)
+  /* Appends nodes and leaves of scene s to the scene's arrays. */
+  void copyNodes(const FlatScene& flat, size_t s)
   {
-    offsets.resize(parts.size());
-    offsets[p] = {tree.nodes.size(), tree.movingNodes.size(), cells.size()};
+    offsets.resize(inputs.size());
+    offsets[s] = {tree.nodes.size(), tree.movingNodes.size(), leaves.size()};
     requireReferences(tree.nodes.size() + flat.numNodes, "nodes");
     requireReferences(tree.movingNodes.size() + flat.numMovingNodes, "nodes of motion");
-    requireReferences(cells.size() + flat.numCells, "leaves of grids");
+    requireReferences(leaves.size() + flat.numGridLeaves, "leaves of grids");
     for (size_t i = 0; i < flat.numNodes; i++) {
       tree.nodes.push_back(flat.nodes[i]);
-      for (uint32_t& child : tree.nodes.back().children) child = renumbered(child, p);
+      for (uint32_t& child : tree.nodes.back().children) child = renumbered(child, s);
     }
     for (size_t i = 0; i < flat.numMovingNodes; i++) {
       tree.movingNodes.push_back(flat.movingNodes[i]);
-      for (uint32_t& child : tree.movingNodes.back().atZero.children) child = renumbered(child, p);
+      for (uint32_t& child : tree.movingNodes.back().atZero.children) child = renumbered(child, s);
     }
-    for (size_t i = 0; i < flat.numCells; i++)
-      cells.push_back({firstBlock[p] + flat.cells[i].block, flat.cells[i].vertex});
-    if (flat.numCells) out.kinds |= 1u << cellReference;
+    for (size_t i = 0; i < flat.numGridLeaves; i++)
+      leaves.push_back({firstBlock[s] + flat.gridLeaves[i].block, flat.gridLeaves[i].vertex});
+    if (flat.numGridLeaves) out.kinds |= 1u << gridLeafReference;
     if (flat.numMovingNodes) out.kinds |= 1u << movingNodeReference;
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference of part p to the scene's arrays, and adds its type to the scene's kinds. */
-  uint32_t renumbered(uint32_t reference, size_t p)
+  /* Converts a reference of scene s to the scene's arrays, and adds its type to the scene's kinds. */
+  uint32_t renumbered(uint32_t reference, size_t s)
   {
     if (reference == emptyReference) return reference;
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
-    if (type == nodeReference) return makeReference(type, uint32_t(offsets[p].node) + index);
-    if (type == movingNodeReference) return makeReference(type, uint32_t(offsets[p].movingNode) + index);
-    if (type == cellReference) return makeReference(type, uint32_t(offsets[p].cell) + index);
+    if (type == nodeReference) return makeReference(type, uint32_t(offsets[s].node) + index);
+    if (type == movingNodeReference) return makeReference(type, uint32_t(offsets[s].movingNode) + index);
+    if (type == gridLeafReference) return makeReference(type, uint32_t(offsets[s].leaf) + index);
     out.kinds |= 1u << type;
-    return makeReference(type, firstBlock[p] + index);
+    return makeReference(type, firstBlock[s] + index);
   }
 
   /* --- writing --- */
 
-  /* Appends the triangles to `cells`, and adjusts references to them. */
+  /* Appends the triangles to `leaves`, and adjusts references to them. */
   void appendTriangles()
   {
     if (tree.triangles.empty()) return;
     out.kinds |= 1u << triangleReference;
-    const uint32_t first = uint32_t(cells.size());
+    const uint32_t first = uint32_t(leaves.size());
     requireReferences(first + tree.triangles.size(), "triangles and leaves of grids");
     auto adjusted = [&](uint32_t reference) {
       return isRunType(referenceType(reference)) ? reference + first : reference;
     };
     for (FlatNode& node : tree.nodes)
       for (uint32_t& child : node.children) child = adjusted(child);
-    for (Part& part : parts) part.tree.root = adjusted(part.tree.root);
-    for (const auto& triangle : tree.triangles) cells.push_back(triangle);
+    for (InputScene& input : inputs) input.tree.root = adjusted(input.tree.root);
+    for (const auto& triangle : tree.triangles) leaves.push_back(triangle);
   }
 
   template<typename T>
@@ -303,11 +304,11 @@ private:
     return slice;
   }
 
-  GeometryData describe(const Part& part, const FlatGeometry& geometry)
+  GeometryData describe(const InputScene& input, const FlatGeometry& geometry)
   {
     GeometryData data = GeometryData();
     data.mask = geometry.type == FLAT_NONE ? 0 : geometry.mask;
-    data.isRobust = part.flat->isRobust;
+    data.isRobust = input.flat->isRobust;
     if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
     {
       /* bytes; without the padding after the last element, which may be unreadable */
@@ -319,7 +320,7 @@ private:
       data.indexStride = uint32_t(geometry.indexStride/4);
     }
     if (geometry.type == FLAT_INSTANCE) {
-      const Part& instanced = parts[partOf.at(geometry.instanced)];
+      const InputScene& instanced = inputs[inputIndex.at(geometry.instanced)];
       std::copy(geometry.worldToLocal, geometry.worldToLocal + 12, data.worldToLocal);
       data.numSteps = geometry.timeSteps;
       if (geometry.timeSteps > 1) {
@@ -341,45 +342,45 @@ private:
   {
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
     if (isRunType(type)) return RTC_INVALID_GEOMETRY_ID;
-    return blocks[type == cellReference ? cells[index][0] : index].geomID;
+    return blocks[type == gridLeafReference ? leaves[index][0] : index].geomID;
   }
 
-  struct PartBoxes
+  struct SceneBoxes
   {
     LeafBoxes boxes;
     VkDeviceAddress address;
     size_t level;   // bottom level, in the instanced scene's space
   };
 
-  /* Adds bottom levels and instances of all parts. Moving instances have bottom levels of their own, for all times. */
+  /* Adds bottom levels and instances of all inputs. Moving instances have bottom levels of their own, for all times. */
   void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
     const auto unchanged = [](const Bounds& b) { return b; };
-    std::vector<std::vector<PartBoxes>> boxesOfParts(parts.size());
-    for (size_t p = 0; p < parts.size(); p++)
+    std::vector<std::vector<SceneBoxes>> boxesOfInputs(inputs.size());
+    for (size_t s = 0; s < inputs.size(); s++)
       for (LeafBoxes& boxes
-           : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
+           : leafBoxesOf(tree, inputs[s].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
         const VkDeviceAddress address
           = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
         const size_t level
-          = builder.addLevel(boxes, QueryStructures::LevelID(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
-        if (p == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
-        else boxesOfParts[p].push_back({std::move(boxes), address, level});
+          = builder.addLevel(boxes, QueryStructures::LevelID(s, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
+        if (s == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
+        else boxesOfInputs[s].push_back({std::move(boxes), address, level});
       }
-    const FlatScene& top = *parts[0].flat;
+    const FlatScene& top = *inputs[0].flat;
     for (size_t i = 0; i < top.numGeometries; i++)
     {
       const FlatGeometry& instance = top.geometries[i];
       if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
-      const size_t p = partOf.at(instance.instanced);
+      const size_t s = inputIndex.at(instance.instanced);
       if (instance.timeSteps == 1 && !isInvertible(instance)) continue;
-      for (const PartBoxes& partBoxes : boxesOfParts[p])
+      for (const SceneBoxes& sceneBoxes : boxesOfInputs[s])
       {
-        const PlacedBoxes placed = {partBoxes.address, uint32_t(i), parts[p].firstGeometry};
-        if (instance.timeSteps == 1) builder.addInstance(partBoxes.level, instance.localToWorld, placed);
+        const PlacedBoxes placed = {sceneBoxes.address, uint32_t(i), inputs[s].firstGeometry};
+        if (instance.timeSteps == 1) builder.addInstance(sceneBoxes.level, instance.localToWorld, placed);
         else builder.addInstance(
-          builder.addLevel(partBoxes.boxes, QueryStructures::LevelID(p, partBoxes.boxes.geomID, uint32_t(i)),
+          builder.addLevel(sceneBoxes.boxes, QueryStructures::LevelID(s, sceneBoxes.boxes.geomID, uint32_t(i)),
                            [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),
           identity, placed);
       }
@@ -391,14 +392,14 @@ private:
     appendTriangles();
     std::vector<GeometryData> geometries;
     uint32_t instancedDepth = 0;
-    for (size_t p = 0; p < parts.size(); p++) {
-      for (size_t i = 0; i < parts[p].flat->numGeometries; i++)
-        geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
-      if (p > 0) instancedDepth = std::max(instancedDepth, parts[p].tree.depth);
+    for (size_t s = 0; s < inputs.size(); s++) {
+      for (size_t i = 0; i < inputs[s].flat->numGeometries; i++)
+        geometries.push_back(describe(inputs[s], inputs[s].flat->geometries[i]));
+      if (s > 0) instancedDepth = std::max(instancedDepth, inputs[s].tree.depth);
     }
     /* Traversal pushes up to three children per level. A multiple of 32, so that scenes of similar depth share a
      * pipeline. */
-    const uint32_t depth = parts[0].tree.depth + instancedDepth;
+    const uint32_t depth = inputs[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
     const FlatNode placeholder = FlatNode();
@@ -409,7 +410,7 @@ private:
     data.movingNodes = tree.movingNodes.empty() ? data.nodes
       : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
-    data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
+    data.leaves = writeArray(leaves.data(), leaves.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     if (out.usesRayQuery) {
       QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
@@ -419,9 +420,9 @@ private:
       builder.build(out.arena, out.structures, out.statistics);
       data.topLevel = out.structures.topLevel->address;
     }
-    data.root = parts[0].tree.root;
-    std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
-    std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
+    data.root = inputs[0].tree.root;
+    std::copy(inputs[0].tree.bounds.lower, inputs[0].tree.bounds.lower + 3, data.lower);
+    std::copy(inputs[0].tree.bounds.upper, inputs[0].tree.bounds.upper + 3, data.upper);
     out.address = writeArray(&data, 1, "a scene").address();
     uploader.flush();
 
@@ -429,13 +430,13 @@ private:
     statistics.numNodes = tree.nodes.size() + tree.movingNodes.size();
     statistics.numGeometries = numGeometries;
     statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode)
-      + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
+      + leaves.size()*sizeof(leaves[0]) + blocks.size()*sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
     statistics.uploadedBytes = uploader.written;
     statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes
       + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {
-      out.source = parts[0].scene;
+      out.source = inputs[0].scene;
       rtcRetainScene(out.source);
     }
   }
@@ -445,14 +446,14 @@ private:
   const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
-  std::vector<Part> parts;            // first is the traced scene
-  std::map<RTCScene, size_t> partOf;  // index of a scene in parts
+  std::vector<InputScene> inputs;         // first is the traced scene
+  std::map<RTCScene, size_t> inputIndex;  // index of a scene in inputs
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;   // index of the first block of each part in blocks
+  std::vector<uint32_t> firstBlock;       // index of the first block of each input in blocks
   std::vector<BlockData> blocks;
   Tree tree;
-  std::vector<std::array<uint32_t, 2>> cells;
-  std::vector<PartOffsets> offsets;
+  std::vector<std::array<uint32_t, 2>> leaves;
+  std::vector<SceneOffsets> offsets;
 };
 
 Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)

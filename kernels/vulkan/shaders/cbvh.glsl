@@ -110,7 +110,8 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
-  if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
+  if (cbvhHasKind(gridLeafReference) && type == gridLeafReference)
+    return cbvhTraceGridLeaf(scene, ray, index, anyHit, hit);
   if (cbvhHasKind(triangleReference) && isRunType(type))
     return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
   if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))

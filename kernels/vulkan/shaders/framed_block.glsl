@@ -200,8 +200,8 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
 }
 
 /* Intersects the triangles of a leaf of cGRID. leafOffset: byte offset of the block's vertices. numLeaves: per side. */
-bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhPreparedRay ray,
-                   uint leaf, const bool anyHit, inout CbvhHit hit)
+bool cbvhFramedGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhPreparedRay ray,
+                         uint leaf, const bool anyHit, inout CbvhHit hit)
 {
   uint height = heightOf(header.info), width = (1u << height) + 1u, plane = width*width, first = leafOffset/4u;
   uint side = (1u << height)/numLeaves, quads = side*side;
@@ -275,7 +275,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   {
     if (!isOnSegment(rangeInBox(local.segment, box, 3))) return false;
     if (kind == kindGrid)
-      return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, 0u, anyHit, hit);
+      return cbvhFramedGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, 0u, anyHit, hit);
     if (kind == kindVoxel) {
       Range range = rangeInBox(local.segment, box, 3);
       if (local.segment.startClipped && range.lower < 0.0) return false;
@@ -359,7 +359,8 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       uint leaf = 4u*m + uint(child);
       if (kind == kindGrid)
       {
-        if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, leaf, anyHit, hit)) continue;
+        if (!cbvhFramedGridLeaf(block, header, layout_.leafOffset, layout_.leavesPerSide, ray, leaf, anyHit, hit))
+          continue;
         found = true;
         if (anyHit) return true;
         best = cbvhParameterAfter(local.segment, hit.t*rcpScale);

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and cells of 2 x 2 quads of
- * GRID. */
+/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and 2 x 2 quads of GRID. */
 
 #ifndef CBVH_MESHES_GLSL
 #define CBVH_MESHES_GLSL
@@ -16,13 +15,13 @@ vec3 cbvhMeshVertex (GeometryData geometry, uint i)
               floatAt(geometry.vertices, first + 2u));
 }
 
-/* Intersects `count` consecutive triangles of SceneData::cells. */
+/* Intersects `count` consecutive triangles of SceneData::leaves. */
 bool cbvhTraceRun (SceneData scene, CbvhPreparedRay ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
 {
   bool found = false;
   for (uint i = first; i < first + count; i++)
   {
-    uvec2 id = CbvhPairs(scene.cells).at[i];
+    uvec2 id = CbvhPairs(scene.leaves).at[i];
     GeometryData geometry = CbvhGeometries(scene.geometries).at[ray.firstGeometry + id.x];
     if ((geometry.mask & ray.mask) == 0u) continue;
     uint k = id.y*geometry.indexStride;
@@ -47,11 +46,11 @@ vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
   return vec2(float(uv & 0xFFFFu), float(uv >> 16))*(8.0/65536.0);
 }
 
-/* Intersects a cell. index: in SceneData::cells. */
-bool cbvhTraceCell (SceneData scene, CbvhPreparedRay ray, uint index, const bool anyHit, inout CbvhHit hit)
+/* Intersects a leaf of a grid. index: in SceneData::leaves. */
+bool cbvhTraceGridLeaf (SceneData scene, CbvhPreparedRay ray, uint index, const bool anyHit, inout CbvhHit hit)
 {
-  uvec2 cell = CbvhPairs(scene.cells).at[index];
-  CbvhPointer grid = cbvhPointer(scene, cell.x);
+  uvec2 leaf = CbvhPairs(scene.leaves).at[index];
+  CbvhPointer grid = cbvhPointer(scene, leaf.x);
   uint geomID = grid.geomID;
   if (!cbvhIsVisible(scene, ray, geomID)) return false;
   uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneWord);
@@ -60,7 +59,7 @@ bool cbvhTraceCell (SceneData scene, CbvhPreparedRay ray, uint index, const bool
   bool found = false;
   for (uint triangle = 0u; triangle < 2u*quads; triangle++)
   {
-    uint q = triangle >> 1, i = cell.y + (q/quadsX)*width + q%quadsX;
+    uint q = triangle >> 1, i = leaf.y + (q/quadsX)*width + q%quadsX;
     uvec3 corners = cbvhQuadTriangle(i, width, (triangle & 1u) != 0u);
     CbvhTriangleHit at;
     if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(grid, first, plane, corners.x),
