@@ -121,7 +121,7 @@ void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const dou
     ASSERT_LE(std::fabs(distance), 0.5*leaves.leaf[c].thickness + tolerance) << edge;
     if (!edge.onBorder) continue;
     ASSERT_GE(distance, -tolerance) << edge << " is above the surface";
-    ASSERT_EQ(childColumn(c, edge.axis), edge.upper) << edge << " is in a leaf that is not on the border";
+    ASSERT_EQ(childCoordinate(c, edge.axis), edge.upper) << edge << " is in a leaf that is not on the border";
     ASSERT_LE(edge.upper ? 1 - position[edge.axis] : position[edge.axis], borderWidth) << edge;
   }
   ASSERT_TRUE(found) << edge << " is in no leaf";
@@ -150,7 +150,8 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
       for (int quad = 0; quad < 4; quad++)
         for (int side = 0; side < 4; side++) {
           const int axis = side/2, upper = side % 2;
-          const EdgeOfGroup edge = {quad, axis, upper, childColumn(quad, axis) == upper && group.border[axis][upper]};
+          const EdgeOfGroup edge = {quad, axis, upper,
+                                    childCoordinate(quad, axis) == upper && group.border[axis][upper]};
           const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
           const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
           for (int step = 0; step <= 8; step++) {

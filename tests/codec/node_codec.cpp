@@ -40,7 +40,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
       double a = random.uniform(), b = random.uniform();
       switch (shape) {
       case QUADRANTS: // slightly more than the quadrant
-        a = axis < 2 ? 0.5*childColumn(c, axis) - 0.03*random.uniform() : random.uniform(0, 0.5);
+        a = axis < 2 ? 0.5*childCoordinate(c, axis) - 0.03*random.uniform() : random.uniform(0, 0.5);
         b = axis < 2 ? a + 0.5 + 0.06*random.uniform() : random.uniform(0.5, 1);
         break;
       case NEEDLES: if (axis != int(random.below(3))) b = a + random.magnitude(1e-9, 1e-2); break;
@@ -51,7 +51,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
       double lower = l + e*std::min(a, b), upper = l + e*std::max(a, b);
       if (shape == TOUCHING) { // exactly on planes of some code
         const uint32_t pair = random.below(32);
-        const int column = childColumn(c, axis == 2 ? 0 : axis);
+        const int column = childCoordinate(c, axis == 2 ? 0 : axis);
         const Interval z = zInterval(random.below(8));
         lower = parent.lower[axis] + (axis == 2 ? z.lower : lowerPlane(pair, column))*parent.extent[axis];
         upper = parent.lower[axis] + (axis == 2 ? z.upper : upperPlane(pair, column))*parent.extent[axis];
@@ -180,7 +180,7 @@ TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
       for (int column = 0; column < 2; column++) {
         double lower = 1, upper = 0;
         for (int c = 0; c < 4; c++)
-          if (childColumn(c, axis) == column) {
+          if (childCoordinate(c, axis) == column) {
             lower = std::min(lower, children[c].lower[axis]);
             upper = std::max(upper, children[c].upper[axis]);
           }
@@ -216,7 +216,7 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
   ExactBox children[4];
   for (int c = 0; c < 4; c++)
     for (int axis = 0; axis < 3; axis++) {
-      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49*childColumn(c, axis) : 0.3);
+      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49*childCoordinate(c, axis) : 0.3);
       children[c].upper[axis] = children[c].lower[axis] + (axis < 2 ? 0.49 : 0.15);
     }
   const uint32_t node = encodeNode(rootBox(), children);

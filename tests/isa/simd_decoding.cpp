@@ -54,12 +54,12 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
     float other;
     std::memset(&other, 0x7F, sizeof(other));
     const bool isOther = i - first >= 4;
-    EXPECT_EQ(std::memcmp(&boxes.at[0][0][i], &other, 4) == 0, isOther) << i;
+    EXPECT_EQ(std::memcmp(&boxes.planes[0][0][i], &other, 4) == 0, isOther) << i;
     if (!isOther) {
       const uint32_t c = i - first;
       for (int axis = 0; axis < 3; axis++) {
-        lanes.lower[axis][c] = boxes.at[axis][0][i];
-        lanes.upper[axis][c] = boxes.at[axis][1][i];
+        lanes.lower[axis][c] = boxes.planes[axis][0][i];
+        lanes.upper[axis][c] = boxes.planes[axis][1][i];
       }
       if (!heights) continue;
       const float* h = surfaces.height[i];

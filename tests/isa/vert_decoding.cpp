@@ -274,14 +274,14 @@ TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
 {
   const uint64_t block[2] = {0, 0};
   ASSERT_EQ(isMappedBlockValid.load(), nullptr) << "this program has no files";
-  EXPECT_TRUE(isUsable(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
   mappedBytes = ~size_t(0);
-  EXPECT_TRUE(isUsable(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
   isMappedBlockValid = [](const void*, BlockFormat format) { return format != VERT_FORMAT; };
-  EXPECT_FALSE(isUsable(block, VERT_FORMAT));
-  EXPECT_TRUE(isUsable(block, MESH_FORMAT));
+  EXPECT_FALSE(isBlockValid(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, MESH_FORMAT));
   mappedBytes = 0;
-  EXPECT_TRUE(isUsable(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
   isMappedBlockValid = nullptr;
 }
 

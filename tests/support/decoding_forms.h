@@ -34,8 +34,8 @@ inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent
   for (int axis = 0; axis < 3; axis++) {
     float lower, upper;
     if (axis < 2) {
-      lower = lowerPlane((node >> lowerShift(axis)) & planePairMask, childColumn(child, axis));
-      upper = upperPlane((node >> upperShift(axis)) & planePairMask, childColumn(child, axis));
+      lower = lowerPlane((node >> lowerShift(axis)) & planePairMask, childCoordinate(child, axis));
+      upper = upperPlane((node >> upperShift(axis)) & planePairMask, childCoordinate(child, axis));
     } else {
       lower = zInterval(zCode(node, child)).lower;
       upper = zInterval(zCode(node, child)).upper;

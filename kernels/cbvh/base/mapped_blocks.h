@@ -4,7 +4,7 @@
 #pragma once
 
 /* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because opening would
- * otherwise read the whole file. Code that reads more than a block's header must call isUsable first. */
+ * otherwise read the whole file. Code that reads more than a block's header must call isBlockValid first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"
@@ -25,7 +25,7 @@ namespace embree
 
     /*! True if a block may be decoded. Otherwise callers must treat it as empty; the device receives one error per
      *  geometry. */
-    __forceinline bool isUsable (const void* block, BlockFormat format)
+    __forceinline bool isBlockValid (const void* block, BlockFormat format)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;

@@ -103,11 +103,11 @@ namespace embree
             break;
           case CompressionPlan::FRAMED:
             if (!framed.write(patch,source.tilingOf(face,patch.rate)))
-              vert.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
+              vert.write(patch,[&](unsigned) { return framed.evaluatedVertices(patch.quads[0],patch.quads[1]); });
             break;
           case CompressionPlan::VERT:
             if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
-            vert.write(patch,[&](unsigned step) { return patch.evaluated(step); });
+            vert.write(patch,[&](unsigned step) { return patch.evaluatedVertices(step); });
             break;
           }
           return true;

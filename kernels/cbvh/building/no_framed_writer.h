@@ -23,7 +23,7 @@ namespace embree
       FramedWriter (const CompressionPlan&, SubdivMesh*, BlockStore&, cbvh::BuildStatistics&) {}
       unsigned boundedFrameLevel (CagePatch&) { return 0; }
       bool write (CagePatch&, const PatchTiling&) { return false; }
-      const float (*evaluated (unsigned, unsigned) const)[3] { return nullptr; }
+      const float (*evaluatedVertices (unsigned, unsigned) const)[3] { return nullptr; }
     };
   }
 }

@@ -49,7 +49,7 @@ namespace embree
                            "because of its edge rates or because it has no valid frame; expected compressed blocks "
                            "only, as with cVERT");
           const BlockFormat format = formatOfBlock(type);
-          if (!isMovingBlock(type) && !isUsable(block,format))
+          if (!isMovingBlock(type) && !isBlockValid(block,format))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: the file that it was loaded from has a damaged block");
           return to.append(childOf(type),block,bytesOfBlock(block,format),offsetOfSurface(format));

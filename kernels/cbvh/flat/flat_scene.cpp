@@ -138,7 +138,7 @@ namespace embree
                            "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
                            "faces lie in no grids; expected such meshes not to be compressed");
           const bool moves = type == MOVING_VERT_BLOCK;
-          if (!moves && !isUsable(data,formatOfBlock(type)))
+          if (!moves && !isBlockValid(data,formatOfBlock(type)))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the scene cannot be flattened: the file of one of its geometries has a damaged block");
           const BlockFormat format = formatOfBlock(type);

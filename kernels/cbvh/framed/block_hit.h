@@ -34,7 +34,7 @@ namespace embree
         Real dir[3];           //!< see RayState
         Real scale, rcpDir2;
         Real tnear, tfar;      //!< of the ray before any hit
-        Real enter;            //!< distance at which the ray enters the block's bounds
+        Real entryT;           //!< distance at which the ray enters the block's bounds
 
         /*! Distance of a hit along the application's ray, between tnear and tfar. */
         __forceinline Real distanceAt (const Real& s) const {
@@ -43,7 +43,7 @@ namespace embree
         }
 
         /*! Distance by which NearestHit compares a hit at distance `hitT`. */
-        __forceinline Real comparedT (const Real& hitT) const { return min(max(hitT,enter),tfar); }
+        __forceinline Real comparedT (const Real& hitT) const { return min(max(hitT,entryT),tfar); }
       };
 
       /*! A hit as Embree reports it. */

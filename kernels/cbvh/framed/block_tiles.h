@@ -109,8 +109,8 @@ namespace embree
         static __forceinline void setRootBox (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
-            vfloat4::store(out.at[axis][0],vfloat4(zero));
-            vfloat4::store(out.at[axis][1],vfloat4(one));
+            vfloat4::store(out.planes[axis][0],vfloat4(zero));
+            vfloat4::store(out.planes[axis][1],vfloat4(one));
           }
         }
 

@@ -60,7 +60,7 @@ namespace embree
           const HitSegment<float> segment = {
             { nodeRay.P[0],nodeRay.P[1],nodeRay.P[2] },{ nodeRay.D[0],nodeRay.D[1],nodeRay.D[2] },
             local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
-            state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
+            state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.entryT };
           const float hitT = segment.distanceAt(at.s), comparedT = segment.comparedT(hitT);
           if (!state.nearest.isBefore(comparedT,hitT,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,hitT,Vec3fa(zero) };

@@ -31,14 +31,14 @@ namespace embree
         const NodeRays<K>& nodeRays;
         BlockTiles& tiles;
         vfloat<K> sBest;
-        vbool<K> open;   //!< rays that continue
+        vbool<K> activeRays; //!< rays that continue
         vbool<K> isHit;  //!< rays with an accepted hit in this block
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
                                      const Block* block, const BlockLayout& layout,
                                      const NodeRays<K>& nodeRays, BlockTiles& tiles, const vbool<K>& valid)
           : rays(rays), context(context), state(state), block(block), layout(layout), nodeRays(nodeRays),
-            tiles(tiles), sBest(1.0f), open(valid), isHit(false)
+            tiles(tiles), sBest(1.0f), activeRays(valid), isHit(false)
         {
           const vbool<K> nearer = valid & (rays.tfar < state.tfar);
           if (any(nearer))
@@ -87,7 +87,7 @@ namespace embree
         __forceinline void accept (const vbool<K>& accepted)
         {
           isHit |= accepted;
-          if (IsAnyHit<Rays>::value) open = andn(open,accepted);
+          if (IsAnyHit<Rays>::value) activeRays = andn(activeRays,accepted);
         }
 
       private:
@@ -96,7 +96,7 @@ namespace embree
           const NodeRays<K>& f = nodeRays;
           return HitSegment<vfloat<K>>{
             { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
-            { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
+            { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.entryT };
         }
 
         /*! Rays whose hits take precedence over their current ones. */

@@ -55,7 +55,7 @@ namespace embree
         {
           Level* l = levels;
           int level = first;
-          open(*l,level,0);
+          enterLevel(*l,level,0);
           while (true)
           {
             const uint32_t toVisit = l->hits.ranksToVisit(visitor.passedMask);
@@ -76,14 +76,14 @@ namespace embree
               continue;
             }
             level += 2;
-            open(l[1],level,16*l->m + child);
+            enterLevel(l[1],level,16*l->m + child);
             l++;
           }
         }
 
       private:
         /*! Intersects the tile below node m. */
-        __forceinline void open (Level& l, int level, uint32_t m)
+        __forceinline void enterLevel (Level& l, int level, uint32_t m)
         {
           l.m = m;
           if (level == last) intersectTile(visitor.leafTile(m),l);

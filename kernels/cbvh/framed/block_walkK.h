@@ -22,7 +22,7 @@
  *      Rays for which passBoxes() must be called. May change.
  *    bool tracksPassedBoxes
  *      Constant. False if the two functions above must not be called.
- *    vbool<K> open
+ *    vbool<K> activeRays
  *      Rays that continue.
  *    vfloat<K> sBest
  *      Nodes that a ray enters at a greater s are skipped for it. */
@@ -115,7 +115,7 @@ namespace embree
         /*! Returns the rays that intersect the box, and calls passBoxes() for others. */
         __forceinline vbool<K> intersectBox (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
-          const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
+          const vbool<K> active = lanes & visitor.activeRays, hit = active & box.intersects(visitor.sBest);
           if (Visitor::tracksPassedBoxes) {
             const vbool<K> passed = andn(active,hit) & visitor.needsPassedBoxes();
             if (any(passed)) visitor.passBoxes(box.isAbove(rays.descends[2]),passed);

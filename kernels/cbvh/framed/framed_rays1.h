@@ -26,13 +26,13 @@ namespace embree
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
         /*! Required before intersect(). t: distance at which the ray enters the bounds of the next block. */
-        __forceinline void setEnter (float t) { state.enter = t; }
+        __forceinline void setEntryT (float t) { state.entryT = t; }
 
         /*! Returns true if a hit was accepted. A damaged block has no hits. */
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
-          if (unlikely(!isUsable(prim,FRAMED_FORMAT))) return false;
+          if (unlikely(!isBlockValid(prim,FRAMED_FORMAT))) return false;
           const Block* const block = (const Block*)prim;
           state.set(ray);
           switch (kindOf(block->info)) {

@@ -21,14 +21,14 @@ namespace embree
         __forceinline explicit FramedRaysK (const vfloat<K>& tfar) : state(tfar) {}
 
         /*! See FramedRay. */
-        __forceinline void setEnter (const vfloat<K>& t) { state.enter = t; }
+        __forceinline void setEntryT (const vfloat<K>& t) { state.entryT = t; }
 
         /*! Returns the rays that accepted a hit. */
         template<typename Rays>
         __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                           const void* prim)
         {
-          if (unlikely(!isUsable(prim,FRAMED_FORMAT))) return vbool<K>(false);
+          if (unlikely(!isBlockValid(prim,FRAMED_FORMAT))) return vbool<K>(false);
           const Block* const block = (const Block*)prim;
           state.set(rays);
           switch (kindOf(block->info)) {

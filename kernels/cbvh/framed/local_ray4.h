@@ -29,14 +29,14 @@ namespace embree
         float rcpDir2;  //!< 1/(dir.dir)
         float scaledTnear; //!< tnear as t'
         float tfar;        //!< before any hit
-        float enter;       //!< lower bound of the distance to the block's bounds
+        float entryT;      //!< lower bound of the distance to the block's bounds
         mutable NearestHit nearest;
 
         bool isSet;
 
         /*! set() must be called before the first block; many rays visit none. */
-        __forceinline explicit RayState (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
-        __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
+        __forceinline explicit RayState (float tfar) : tfar(tfar), entryT(neg_inf), isSet(false) {}
+        __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), entryT(neg_inf), isSet(false) { set(ray); }
 
         __forceinline void set (const Ray& ray)
         {

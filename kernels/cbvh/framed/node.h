@@ -93,12 +93,12 @@ CVERT_CONSTANT int zBits = 3;
 CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
 CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
-/*! Planes of a column (x) or row (y), in parent extents. pair: the 5 bits of a plane pair. */
-CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
-  return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
+/*! Planes of the children with a coordinate on an axis, in parent extents. pair: the 5 bits of a plane pair. */
+CVERT_FUNCTION float lowerPlane (uint32_t pair, int coordinate) {
+  return coordinate == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
-CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
-  return column == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
+CVERT_FUNCTION float upperPlane (uint32_t pair, int coordinate) {
+  return coordinate == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
 }
 
 CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
@@ -108,11 +108,11 @@ CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
   NodeBox box;
   for (int axis=0; axis<2; axis++)
   {
-    int column = childColumn(child,axis);
+    int coordinate = childCoordinate(child,axis);
     float lower = parent.lower[axis]
-      + lowerPlane((word >> lowerShift(axis)) & planePairMask,column)*parent.extent[axis];
+      + lowerPlane((word >> lowerShift(axis)) & planePairMask,coordinate)*parent.extent[axis];
     float upper = parent.lower[axis]
-      + upperPlane((word >> upperShift(axis)) & planePairMask,column)*parent.extent[axis];
+      + upperPlane((word >> upperShift(axis)) & planePairMask,coordinate)*parent.extent[axis];
     box.lower[axis] = lower;
     box.extent[axis] = upper - lower;
   }

@@ -16,7 +16,7 @@ namespace embree
   {
     /*! Planes of N boxes in the frame: [axis][0 lower, 1 upper][node]. */
     template<int N>
-    struct alignas(64) NodePlanes { float at[3][2][N]; };
+    struct alignas(64) NodePlanes { float planes[3][2][N]; };
 
     /*! Surfaces of 16 leaves of cLEAF (leaf/format.h). */
     struct LeafSurfaces

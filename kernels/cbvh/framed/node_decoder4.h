@@ -20,12 +20,12 @@ namespace embree
       using namespace embree::cbvh;
 
       template<int N>
-      __forceinline NodeBox boxAt (const NodePlanes<N>& planes, uint32_t i)
+      __forceinline NodeBox boxAt (const NodePlanes<N>& boxes, uint32_t i)
       {
         NodeBox box;
         for (int axis=0; axis<3; axis++) {
-          box.lower[axis] = planes.at[axis][0][i];
-          box.extent[axis] = planes.at[axis][1][i]-planes.at[axis][0][i];
+          box.lower[axis] = boxes.planes[axis][0][i];
+          box.extent[axis] = boxes.planes[axis][1][i]-boxes.planes[axis][0][i];
         }
         return box;
       }
@@ -36,8 +36,8 @@ namespace embree
                                       const vfloat4& upper, const NodeBox& parent)
       {
         const vfloat4 from(parent.lower[axis]), extent(parent.extent[axis]);
-        vfloat4::store(out.at[axis][0]+first,madd(lower,extent,from));
-        vfloat4::store(out.at[axis][1]+first,madd(upper,extent,from));
+        vfloat4::store(out.planes[axis][0]+first,madd(lower,extent,from));
+        vfloat4::store(out.planes[axis][1]+first,madd(upper,extent,from));
       }
 
       template<int N>
@@ -69,7 +69,9 @@ namespace embree
         }
 
       private:
-        __forceinline vfloat4 plane (int axis, int upper) const { return vfloat4::load(boxes.at[axis][upper]+first); }
+        __forceinline vfloat4 plane (int axis, int upper) const {
+          return vfloat4::load(boxes.planes[axis][upper]+first);
+        }
 
         __forceinline void storeByLeaf (const vfloat4& a, const vfloat4& b, const vfloat4& c, const vfloat4& d,
                                         float rows[16][4]) const
@@ -116,8 +118,8 @@ namespace embree
           const vfloat4 half = vfloat4(0.5f*thickness)*bin;
           const vfloat4 lowest  = max(madd(bin,min(min(q[0],q[1]),min(q[2],q[3])),base)-half,vfloat4(lower));
           const vfloat4 highest = min(madd(bin,max(max(q[0],q[1]),max(q[2],q[3])),base)+half,vfloat4(lower+extent));
-          vfloat4::store(boxes.at[2][0]+first,lowest);
-          vfloat4::store(boxes.at[2][1]+first,max(lowest,highest));
+          vfloat4::store(boxes.planes[2][0]+first,lowest);
+          vfloat4::store(boxes.planes[2][1]+first,max(lowest,highest));
           setLeaves(0,0);
         }
 

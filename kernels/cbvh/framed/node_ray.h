@@ -60,13 +60,13 @@ namespace embree
           return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
         }
 
-        /*! s at the widened near (enter) or far plane (leave) of box i. */
+        /*! s at the widened near plane (entryS) or far plane (exitS) of box i. */
         template<int N>
-        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
+        __forceinline float entryS (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
         }
         template<int N>
-        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const {
+        __forceinline float exitS (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0];
         }
 
@@ -74,8 +74,8 @@ namespace embree
         template<int N>
         __forceinline bool isAbove (const NodePlanes<N>& c, uint32_t i) const
         {
-          const float nxy = max(enter(c,0,i),enter(c,1,i));
-          return (leave(c,2,i) < max(nxy,0.0f)) != descends();
+          const float nxy = max(entryS(c,0,i),entryS(c,1,i));
+          return (exitS(c,2,i) < max(nxy,0.0f)) != descends();
         }
       };
 
@@ -108,10 +108,10 @@ namespace embree
         BoxMasks masks = { 0u,0u };
         for (int i=0; i<number; i+=int(vfloatW::size))
         {
-          auto enter = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
-          auto leave = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
-          const vfloatW nxy = max(enter(0),enter(1)), fxy = min(leave(0),leave(1));
-          const vfloatW sNear = max(nxy,enter(2)), sFar = min(fxy,leave(2));
+          auto entryS = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
+          auto exitS = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
+          const vfloatW nxy = max(entryS(0),entryS(1)), fxy = min(exitS(0),exitS(1));
+          const vfloatW sNear = max(nxy,entryS(2)), sFar = min(fxy,exitS(2));
           vfloatW::store(ranges.sNear+i,sNear);
           vfloatW::store(ranges.sFar+i,sFar);
           masks.hit |= uint32_t(movemask(max(sNear,vfloatW(zero)) <= min(sFar,vfloatW(sBest)))) << i;

@@ -19,11 +19,11 @@ namespace embree
       struct RayStates
       {
         Vec3vf<K> org, dir;
-        vfloat<K> scale, rcpScale, rcpDir2, scaledTnear, tfar, enter;
+        vfloat<K> scale, rcpScale, rcpDir2, scaledTnear, tfar, entryT;
         mutable NearestHit nearest[K];
         bool isSet;
 
-        __forceinline explicit RayStates (const vfloat<K>& tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
+        __forceinline explicit RayStates (const vfloat<K>& tfar) : tfar(tfar), entryT(neg_inf), isSet(false) {}
 
         __forceinline void set (const RayK<K>& rays)
         {
@@ -156,11 +156,11 @@ namespace embree
         __forceinline void set (const NodeRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
         {
           const uint32_t x = flipXY & 1u, y = flipXY >> 1;
-          const vfloat<K> lowest(c.at[2][0][i]), highest(c.at[2][1][i]);
-          enterXY = max((vfloat<K>(c.at[0][x][i])-rays.Pnear[0])*rays.rcpD[0],
-            (vfloat<K>(c.at[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
-          leaveXY = min((vfloat<K>(c.at[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],
-            (vfloat<K>(c.at[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
+          const vfloat<K> lowest(c.planes[2][0][i]), highest(c.planes[2][1][i]);
+          enterXY = max((vfloat<K>(c.planes[0][x][i])-rays.Pnear[0])*rays.rcpD[0],
+            (vfloat<K>(c.planes[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
+          leaveXY = min((vfloat<K>(c.planes[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],
+            (vfloat<K>(c.planes[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
           enterZ = (select(rays.descends[2],highest,lowest)-rays.Pnear[2])*rays.rcpD[2];
           leaveZ = (select(rays.descends[2],lowest,highest)-rays.Pfar[2])*rays.rcpD[2];
           sNear = max(enterXY,enterZ);

@@ -17,8 +17,8 @@ namespace embree
       for (int axis=0; axis<2; axis++)
         for (uint32_t pair=0; pair<32; pair++)
           for (int child=0; child<4; child++) {
-            lowerPlane[axis][pair][child] = cbvh::lowerPlane(pair,childColumn(child,axis));
-            upperPlane[axis][pair][child] = cbvh::upperPlane(pair,childColumn(child,axis));
+            lowerPlane[axis][pair][child] = cbvh::lowerPlane(pair,childCoordinate(child,axis));
+            upperPlane[axis][pair][child] = cbvh::upperPlane(pair,childCoordinate(child,axis));
           }
       for (uint32_t pair=0; pair<64; pair++)
         for (int child=0; child<2; child++) {
@@ -32,8 +32,8 @@ namespace embree
         for (int byte=0; byte<16; byte++)
         {
           const int child = byte/4;
-          const int vertex = childColumn(child,0)+childColumn(corner,0)
-            + 3*(childColumn(child,1)+childColumn(corner,1));
+          const int vertex = childCoordinate(child,0)+childCoordinate(corner,0)
+            + 3*(childCoordinate(child,1)+childCoordinate(corner,1));
           latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
         }
       for (int mask=0; mask<16; mask++)

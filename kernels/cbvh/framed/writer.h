@@ -23,7 +23,7 @@ namespace embree
        *  return false. The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
-          evaluatedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
+          unsharedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
           encoded(mesh->device,0) {}
 
       /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, or the patch's level.
@@ -31,13 +31,13 @@ namespace embree
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
-        PatchTiling evaluated;
+        PatchTiling evaluatedTiling;
         for (unsigned n=0; n<level; n++)
         {
           const PatchTiling tiling = tilingOf(plan.kind(),patch.rate,n);
-          if (tiling.quadsX() != evaluated.quadsX() || tiling.quadsY() != evaluated.quadsY())
+          if (tiling.quadsX() != evaluatedTiling.quadsX() || tiling.quadsY() != evaluatedTiling.quadsY())
             evaluate(patch,tiling);
-          evaluated = tiling;
+          evaluatedTiling = tiling;
           cbvh::BlockStatistics worst;
           for (unsigned i=0; i < tiling.size() && worst.maxThickness <= plan.settings.maxError; i++)
           {
@@ -95,9 +95,9 @@ namespace embree
 
       /*! Returns the vertices of the last patch as its face evaluates them, before borders were shared; null if they
        *  were evaluated with another number of quads. Requires plan.sharesBorders(). */
-      const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
+      const float (*evaluatedVertices (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
-        return isEvaluated ? (const float(*)[3])evaluatedVertices.data() : nullptr;
+        return isEvaluated ? (const float(*)[3])unsharedVertices.data() : nullptr;
       }
 
     private:
@@ -126,7 +126,7 @@ namespace embree
         }
       };
 
-      /*! Sets patchVertices, isStitched and, if borders are shared, `evaluatedVertices`. */
+      /*! Sets patchVertices, isStitched and, if borders are shared, `unsharedVertices`. */
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
@@ -140,9 +140,9 @@ namespace embree
           return;
         }
         const size_t count = 3*patchVertices->width*patchVertices->height;
-        evaluatedVertices.resize(count);
-        memcpy(evaluatedVertices.data(),patchVertices->displaced(),count*sizeof(float));
-        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])evaluatedVertices.data(),
+        unsharedVertices.resize(count);
+        memcpy(unsharedVertices.data(),patchVertices->displaced(),count*sizeof(float));
+        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])unsharedVertices.data(),
                     patchVertices->displaced(),statistics);
         float rate[4];
         for (int s=0; s<4; s++) rate[s] = float(patch.side(s,0).rate);
@@ -255,7 +255,7 @@ namespace embree
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
       std::vector<BBox3fa> blocks;   //!< bounds by position in the tiling; empty for blocks that were not encoded
-      mvector<float> evaluatedVertices; //!< vertices as the patch's face evaluates them
+      mvector<float> unsharedVertices; //!< vertices as the patch's face evaluates them
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or one block of boundedFrameLevel()

@@ -29,7 +29,7 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        if (isBlock(type) && !isMovingBlock(type) && !isUsable(block,formatOfBlock(type)))
+        if (isBlock(type) && !isMovingBlock(type) && !isBlockValid(block,formatOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                          "the geometry's file is damaged: one of its blocks cannot be decoded");
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))

@@ -43,7 +43,9 @@ namespace embree
         return evaluator;
       }
 
-      const float (*evaluated (unsigned step) const)[3] { return borders->evaluated(primID,patch.subPatch,step); }
+      const float (*evaluatedVertices (unsigned step) const)[3] {
+        return borders->evaluatedVertices(primID,patch.subPatch,step);
+      }
 
       CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
       int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }

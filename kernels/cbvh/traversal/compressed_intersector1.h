@@ -103,7 +103,7 @@ namespace embree
           return cbvh::FramedRay::isFramed(type);
         }
 
-        __forceinline void setEnter (float t) { state.framed.setEnter(t); }
+        __forceinline void setEntryT (float t) { state.framed.setEntryT(t); }
 
         __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode)
         {
@@ -176,7 +176,7 @@ namespace embree
         static const bool isSorted = false;
 
         static __forceinline bool hasFrame (BVH4::NodeRef) { return false; }
-        __forceinline void setEnter (float) {}
+        __forceinline void setEntryT (float) {}
         __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
           intersectLeaf(leaf,ray,context,vertRay);
         }

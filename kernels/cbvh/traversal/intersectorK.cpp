@@ -36,10 +36,10 @@ namespace embree
                                              IntersectContext* context)
         : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), framed(rays.tfar) {}
 
-      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray,
-                                    size_t& lazyNode)
+      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT,
+                                    const Tray& tray, size_t& lazyNode)
       {
-        framed.setEnter(enter);
+        framed.setEntryT(entryT);
         size_t type;
         const void* prim = leaf.leaf(type);
         if (likely(cbvh::isBlock(type))) updateTfar(intersectBlock(valid,type,prim));

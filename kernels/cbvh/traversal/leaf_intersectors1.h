@@ -27,7 +27,7 @@ namespace embree
       {
         __forceinline explicit FramedRay (float) {}
         static __forceinline bool isFramed (size_t) { return false; }
-        __forceinline void setEnter (float) {}
+        __forceinline void setEntryT (float) {}
         template<typename RayType>
         __forceinline bool intersect (RayType&, IntersectContext*, const void*) { return false; }
         __forceinline float finalTfar (float tfar) const { return tfar; }

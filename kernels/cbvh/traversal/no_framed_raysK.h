@@ -17,7 +17,7 @@ namespace embree
       struct FramedRaysK
       {
         __forceinline explicit FramedRaysK (const vfloat<K>&) {}
-        __forceinline void setEnter (const vfloat<K>&) {}
+        __forceinline void setEntryT (const vfloat<K>&) {}
         template<typename Rays>
         __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) {
           return vbool<K>(false);

@@ -18,7 +18,7 @@ namespace embree
     {
       /*! Leaves: a class for closest hit or any hit with
        *
-       *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray,
+       *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT, const Tray& tray,
        *                     size_t& lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
        *     vfloat<K> tfar
@@ -29,12 +29,12 @@ namespace embree
         typedef BVH4::NodeRef NodeRef;
         typedef TravRayK<K,true> Tray;
 
-        /*! Stack entry. enter: entry distance of each ray; NaN if it misses the node. */
+        /*! Stack entry. entryT: entry distance of each ray; NaN if it misses the node. */
         struct Entry
         {
-          vfloat<K> enter;
+          vfloat<K> entryT;
           NodeRef node;
-          float frustumEnter; //!< of the frustum: a lower bound of `enter`
+          float frustumEntryT; //!< of the frustum: a lower bound of `entryT`
         };
 
       public:
@@ -56,20 +56,20 @@ namespace embree
           while (top != stack)
           {
             const Entry at = *--top;
-            const vbool<K> hit = at.enter <= tray.tfar;
+            const vbool<K> hit = at.entryT <= tray.tfar;
             if (none(hit)) continue;
             if (!at.node.isLeaf()) {
               top = pushChildren(at,frustum,boxes,tray,top);
               continue;
             }
             size_t lazyNode = 0;
-            leaves.intersect(hit,at.node,at.enter,tray,lazyNode);
+            leaves.intersect(hit,at.node,at.entryT,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
               // NaN in inactive lanes would spoil the frustum's maximum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.frustumEnter };
+            if (unlikely(lazyNode)) *top++ = Entry{ at.entryT,NodeRef(lazyNode),at.frustumEntryT };
           }
         }
 
@@ -92,16 +92,16 @@ namespace embree
           }
 
           __forceinline vbool<K> intersectBox (const BVH4::AABBNode* node, size_t i, const Tray& tray,
-                                               vfloat<K>& enter) const
+                                               vfloat<K>& entryT) const
           {
             const vfloat4* planes = &node->lower_x; // lower and upper planes, axis by axis
-            vfloat<K> leave = tray.tfar;
-            enter = tray.tnear;
+            vfloat<K> exitT = tray.tfar;
+            entryT = tray.tnear;
             for (int axis=0; axis<3; axis++) {
-              enter = max(enter,(vfloat<K>(planes[2*axis+nearSide[axis]][i]) - tray.org[axis])*rdirNear[axis]);
-              leave = min(leave,(vfloat<K>(planes[2*axis+1-nearSide[axis]][i]) - tray.org[axis])*rdirFar[axis]);
+              entryT = max(entryT,(vfloat<K>(planes[2*axis+nearSide[axis]][i]) - tray.org[axis])*rdirNear[axis]);
+              exitT = min(exitT,(vfloat<K>(planes[2*axis+1-nearSide[axis]][i]) - tray.org[axis])*rdirFar[axis]);
             }
-            return enter <= leave;
+            return entryT <= exitT;
           }
         };
 
@@ -110,18 +110,18 @@ namespace embree
                                                   const Tray& tray, Entry* top)
         {
           const BVH4::AABBNode* node = at.node.getAABBNode();
-          vfloat4 frustumEnter;
+          vfloat4 frustumEntryT;
           Entry* const bottom = top;
-          for (size_t rest=intersectNodeFrustum<4>(node,frustum,frustumEnter); rest;)
+          for (size_t rest=intersectNodeFrustum<4>(node,frustum,frustumEntryT); rest;)
           {
             const size_t i = bscf(rest);
-            vfloat<K> enter;
-            const vbool<K> hit = boxes.intersectBox(node,i,tray,enter);
+            vfloat<K> entryT;
+            const vbool<K> hit = boxes.intersectBox(node,i,tray,entryT);
             if (none(hit)) continue;
             BVH4::prefetch(node->child(i));
-            const Entry child = { select(hit,enter,vfloat<K>(nan)),node->child(i),frustumEnter[i] };
+            const Entry child = { select(hit,entryT,vfloat<K>(nan)),node->child(i),frustumEntryT[i] };
             Entry* place = top++;
-            for (; place != bottom && place[-1].frustumEnter < child.frustumEnter; place--) place[0] = place[-1];
+            for (; place != bottom && place[-1].frustumEntryT < child.frustumEntryT; place--) place[0] = place[-1];
             *place = child;
           }
           return top;

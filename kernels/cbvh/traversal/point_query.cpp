@@ -111,7 +111,7 @@ namespace embree
           if (!isBlock(type) || type == FRAMED_BLOCK) return false;
           const bool isMesh = formatOfBlock(type) == MESH_FORMAT;
           const VertHeader* header = (const VertHeader*)block;
-          if (!isMovingBlock(type) && !embree::cbvh::isUsable(block,formatOfBlock(type))) return false;
+          if (!isMovingBlock(type) && !embree::cbvh::isBlockValid(block,formatOfBlock(type))) return false;
           const uint32_t geomID =
             context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);

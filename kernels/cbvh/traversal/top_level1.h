@@ -47,11 +47,11 @@ namespace embree
 
       /*! If a stack entry is nearer than the leaf, pushes the nearest one, stores the leaf in its place, and returns
        *  true. Leaves are then visited in order of distance; Embree sorts only the children of one node. */
-      __forceinline bool deferToNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
+      __forceinline bool deferToNearer (BVH4::NodeRef leaf, float entryT, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
         StackItemT<BVH4::NodeRef>* nearest = nullptr;
-        float least = enter;
+        float least = entryT;
         for (StackItemT<BVH4::NodeRef>* entry=stack; entry!=top; entry++) {
           const float distance = distanceOf(*entry);
           if (unlikely(distance < least)) { least = distance; nearest = entry; }
@@ -59,7 +59,7 @@ namespace embree
         if (likely(nearest == nullptr)) return false;
         *top++ = *nearest;
         nearest->ptr = leaf;
-        memcpy(&nearest->dist,&enter,sizeof(float));
+        memcpy(&nearest->dist,&entryT,sizeof(float));
         return true;
       }
 
@@ -70,7 +70,7 @@ namespace embree
        *       accepts is nearer than the one before.
        *     bool hasFrame (leaf)
        *       True for a block with a frame. Other leaves cannot be hit before their bounds.
-       *     void setEnter (t)
+       *     void setEntryT (t)
        *       Sets the entry distance of the next block with a frame.
        *     void intersect (leaf, tray, lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next. */
@@ -89,11 +89,11 @@ namespace embree
         {
           top--;
           NodeRef cur = NodeRef(top->ptr);
-          float enter = distanceOf(*top);
-          if (unlikely(enter > ray.tfar)) continue;
+          float entryT = distanceOf(*top);
+          if (unlikely(entryT > ray.tfar)) continue;
 
           size_t mask = 1;
-          vfloat4 distances(enter);
+          vfloat4 distances(entryT);
           while (!cur.isLeaf())
           {
             mask = nodes(cur,tray,distances);
@@ -103,9 +103,9 @@ namespace embree
           }
           if (unlikely(mask == 0)) continue;
           if (Leaves::hasFrame(cur)) {
-            enter = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
-            if (unlikely(leaves.isSorted) && deferToNearer(cur,enter,stack,top)) continue;
-            leaves.setEnter(enter);
+            entryT = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
+            if (unlikely(leaves.isSorted) && deferToNearer(cur,entryT,stack,top)) continue;
+            leaves.setEntryT(entryT);
           }
           size_t lazyNode = 0;
           leaves.intersect(cur,tray,lazyNode);

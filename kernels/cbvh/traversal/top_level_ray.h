@@ -57,25 +57,25 @@ namespace embree
         const PlaneFactors factors{ Vec3fa(ray.dir) };
         const vbool4 isNegative = factors.rdir < vfloat4(zero);
         const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
-        const Vec3fa enter((select(isNegative,upper,lower)-org)*factors.near),
-          leave((select(isNegative,lower,upper)-org)*factors.far);
-        return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
+        const Vec3fa entryT((select(isNegative,upper,lower)-org)*factors.near),
+          exitT((select(isNegative,lower,upper)-org)*factors.far);
+        return max(reduce_max(entryT),max(ray.tnear(),0.0f)) <= min(reduce_min(exitT),max(ray.tfar,0.0f));
       }
 
       template<int K>
       __forceinline vbool<K> mayIntersect (const RayK<K>& rays, const BBox3fa& box)
       {
         const vfloat<K> largest = max(max(abs(rays.dir.x),abs(rays.dir.y)),abs(rays.dir.z));
-        vfloat<K> enter = max(rays.tnear(),vfloat<K>(zero)), leave = max(rays.tfar,vfloat<K>(zero));
+        vfloat<K> entryT = max(rays.tnear(),vfloat<K>(zero)), exitT = max(rays.tfar,vfloat<K>(zero));
         for (int axis=0; axis<3; axis++)
         {
           const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]),
             upper(box.upper[axis]);
           const vbool<K> isNegative = rdir < vfloat<K>(zero);
-          enter = max(enter,(select(isNegative,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
-          leave = min(leave,(select(isNegative,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
+          entryT = max(entryT,(select(isNegative,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
+          exitT = min(exitT,(select(isNegative,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
         }
-        return enter <= leave;
+        return entryT <= exitT;
       }
 
       /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: offsets of a node's planes, bytes. */

@@ -29,22 +29,22 @@ namespace embree
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
-         *  isUsable(). */
+         *  isValid(). */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
         /*! Returns false if the block is damaged. Then not even its header may be read. */
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORMAT); }
+        __forceinline bool isValid () const { return cbvh::isBlockValid(block,VERT_FORMAT); }
 
-        /*! Returns the boxes of groups; decodes them if necessary. Requires isUsable(). */
+        /*! Returns the boxes of groups; decodes them if necessary. Requires isValid(). */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! Returns the vertices of a group in world space; decodes them if necessary. Requires isUsable(). */
+        /*! Returns the vertices of a group in world space; decodes them if necessary. Requires isValid(). */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           const size_t slot = groupSlots + lane;

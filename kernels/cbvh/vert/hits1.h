@@ -63,11 +63,11 @@ namespace embree
        *    bool report (block, primID, hit)
        *      Returns true if the hit is accepted. */
       template<typename Target, typename Cached>
-      class VertHits
+      class VertHitReporter
       {
       public:
-        __forceinline VertHits (const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
-                                const VertHeader* block, const Cached& cached)
+        __forceinline VertHitReporter (const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
+                                       const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
         /*! Reports hits in group g, nearest first, until one is accepted. Returns true if one was. triangles: of
@@ -114,21 +114,21 @@ namespace embree
         bool reportNearest (uint32_t g, uint32_t triangles)
         {
           float t[32];
-          uint32_t open = 0;
+          uint32_t inRange = 0;
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle = triangleOf(cached,g,h);
             if (triangle.contains(vertRay,triangle.sides(vertRay))
-              && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
+              && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) inRange |= 1u << h;
           }
-          while (open)
+          while (inRange)
           {
-            uint32_t best = uint32_t(bsf(open));
-            for (uint32_t others=open & (open-1); others; others&=others-1) {
+            uint32_t best = uint32_t(bsf(inRange));
+            for (uint32_t others=inRange & (inRange-1); others; others&=others-1) {
               const uint32_t h = uint32_t(bsf(others));
               if (t[h] < t[best]) best = h;
             }
-            open &= ~(1u << best);
+            inRange &= ~(1u << best);
             const VertTriangle triangle = triangleOf(cached,g,best);
             if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(vertRay))) return true;
           }
@@ -142,7 +142,7 @@ namespace embree
           t = float(exact);
           const float tfar = target.tfar();
           const uint32_t result = classifyHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
-          return likely(result == hitIsNearest)
+          return likely(result == hitIsInRange)
             || (result == hitIsTied && nearest.losesTieTo(block,number,target.ids()));
         }
 

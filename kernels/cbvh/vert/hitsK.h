@@ -18,7 +18,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Ray k of a packet as the Target of VertHits. */
+      /*! Ray k of a packet as the Target of VertHitReporter. */
       template<int K, typename Rays>
       struct VertTargetK
       {
@@ -62,13 +62,13 @@ namespace embree
           return accepted;
         }
 
-        /*! VertHits::report for ray k. */
+        /*! VertHitReporter::report for ray k. */
         template<typename Triangles>
         __noinline bool report (size_t k, uint32_t g, const Triangles& triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.ray(k),vertRays.nearest(k),block,
-            cached).report(g,triangles);
+          return VertHitReporter<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.ray(k),vertRays.nearest(k),
+                                                        block,cached).report(g,triangles);
         }
 
       private:

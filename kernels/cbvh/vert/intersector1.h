@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A single ray as the Target of VertHits. */
+      /*! A single ray as the Target of VertHitReporter. */
       template<typename RayType>
       struct VertTarget1
       {
@@ -64,31 +64,31 @@ namespace embree
           const ShearedRay<float> sheared = at.sheared(vertRay);
           clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
         }
-        vboolV open[vectors];
+        vboolV hit[vectors];
 #pragma GCC unroll 4
         for (int j=0; j<vectors; j++) {
           vfloatV::store(enter+vectorWidth*j,tNear[j]);
-          open[j] = tNear[j] <= tFar[j];
+          hit[j] = tNear[j] <= tFar[j];
         }
-        return lanesOf(open) & boxes.lanes;
+        return lanesOf(hit) & boxes.lanes;
       }
 
-      /*! Removes and returns the group with the smallest entry distance. */
-      __forceinline uint32_t popNearest (uint32_t& open, const float enter[16])
+      /*! Removes the group with the smallest entry distance from a mask, and returns it. */
+      __forceinline uint32_t popNearest (uint32_t& groups, const float enter[16])
       {
-        uint32_t best = uint32_t(bsf(open));
-        for (uint32_t rest=open & (open-1); rest; rest&=rest-1) {
+        uint32_t best = uint32_t(bsf(groups));
+        for (uint32_t rest=groups & (groups-1); rest; rest&=rest-1) {
           const uint32_t g = uint32_t(bsf(rest));
           if (enter[g] < enter[best]) best = g;
         }
-        open &= ~(1u << best);
+        groups &= ~(1u << best);
         return best;
       }
 
-      __forceinline uint32_t popAny (uint32_t& open)
+      __forceinline uint32_t popAny (uint32_t& groups)
       {
-        const uint32_t g = uint32_t(bsf(open));
-        open &= open-1;
+        const uint32_t g = uint32_t(bsf(groups));
+        groups &= groups-1;
         return g;
       }
 
@@ -117,16 +117,16 @@ namespace embree
         {
           const GroupBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (!cached.isUsable() || !cached.mayIntersect(vertRay,ray.tnear(),ray.tfar)) return false;
+            if (!cached.isValid() || !cached.mayIntersect(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
-          uint32_t open = intersectGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
-          VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,
-            cached);
+          uint32_t groups = intersectGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
+          VertHitReporter<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,
+                                                            block,cached);
           bool found = false;
-          while (open)
+          while (groups)
           {
-            const uint32_t g = IsAnyHit<RayType>::value ? popAny(open) : popNearest(open,enter);
+            const uint32_t g = IsAnyHit<RayType>::value ? popAny(groups) : popNearest(groups,enter);
             if (enter[g] > ray.tfar) continue;
             const auto triangles = groupTrianglesHitByLine(vertRay,cached,g);
             if (triangles.mask == 0 || !hits.report(g,triangles)) continue;

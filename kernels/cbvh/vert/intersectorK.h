@@ -40,7 +40,7 @@ namespace embree
         {
           vint<K> rayClass = vertRays.rayClass;
           if (unlikely(cached.decodedBoxes() == nullptr)) {
-            if (!cached.isUsable()) return vbool<K>(false);
+            if (!cached.isValid()) return vbool<K>(false);
             if (likely(!isRaw(block->boxForm))) valid &=
               intersectsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
@@ -113,10 +113,10 @@ namespace embree
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
               boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(rayClass >> (2+k)) & 1u);
           }
-          uint32_t open = intersectBoxes(lanes,boxes);
-          while (open)
+          uint32_t groups = intersectBoxes(lanes,boxes);
+          while (groups)
           {
-            const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
+            const uint32_t g = IsAnyHit<Rays>::value ? popAny(groups) : popNearest(groups,enter);
             const vbool<K> entering = lanes & intersectBox(cached.boxes(),g);
             if (none(entering)) continue;
             const uint32_t accepted = intersectGroup(uint32_t(movemask(entering)),rayClass & 3u,g);
@@ -133,7 +133,7 @@ namespace embree
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
             tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
-          uint32_t open = 0;
+          uint32_t groups = 0;
           for (int j=0; j<16; j+=vectorWidth) {
             vfloatV tNear(tnear), tFar(tfar);
             for (int k=0; k<3; k++) {
@@ -141,9 +141,9 @@ namespace embree
               tFar = min(tFar,axes[k].leave(vfloatV::load(axes[k].farPlanes(boxes.planes[k])+j)));
             }
             vfloatV::store(enter+j,tNear);
-            open |= uint32_t(movemask(tNear <= tFar)) << j;
+            groups |= uint32_t(movemask(tNear <= tFar)) << j;
           }
-          return open & boxes.lanes;
+          return groups & boxes.lanes;
         }
 
         /*! Returns the rays that intersect the box of group g. */

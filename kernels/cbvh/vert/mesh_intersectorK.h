@@ -24,7 +24,7 @@ namespace embree
         {
           vertRays.set(rays);
           const CachedMeshBlock cached(vertRays,(const VertHeader*)block);
-          if (cached.decodedBoxes() == nullptr && !cached.isUsable()) return vbool<K>(false);
+          if (cached.decodedBoxes() == nullptr && !cached.isValid()) return vbool<K>(false);
           uint32_t found = 0;
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
@@ -44,13 +44,13 @@ namespace embree
           ray.largestComponent = vertRays.largestComponent[k];
           ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
           alignas(64) float enter[16];
-          uint32_t open = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
+          uint32_t groups = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;
-          VertHits<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
+          VertHitReporter<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
           bool found = false;
-          while (open)
+          while (groups)
           {
-            const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
+            const uint32_t g = IsAnyHit<Rays>::value ? popAny(groups) : popNearest(groups,enter);
             if (enter[g] > rays.tfar[k]) continue;
             const MeshGroupTriangles triangles = groupTrianglesHitByLine(ray,cached,g);
             if (triangles.mask == 0 || !hits.report(g,triangles)) continue;

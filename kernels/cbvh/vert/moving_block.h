@@ -35,7 +35,7 @@ namespace embree
         }
 
         /*! Always true: loading a file checks its moving blocks. */
-        __forceinline bool isUsable () const { return true; }
+        __forceinline bool isValid () const { return true; }
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const

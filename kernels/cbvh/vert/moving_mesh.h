@@ -34,7 +34,7 @@ namespace embree
         }
 
         /*! Always true: loading a file checks its moving blocks. */
-        __forceinline bool isUsable () const { return true; }
+        __forceinline bool isValid () const { return true; }
 
         /*! Always true, see CachedMeshBlock. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }

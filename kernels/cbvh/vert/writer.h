@@ -33,14 +33,14 @@ namespace embree
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes a patch that is a single strip. evaluated(step): the patch's vertices at a time step, or null if the
+      /*! Writes a patch that is a single strip. verticesAt(step): the patch's vertices at a time step, or null if the
        *  caller has not evaluated them. */
-      template<typename Patch, typename Evaluated>
-      void write (Patch& patch, const Evaluated& evaluated)
+      template<typename Patch, typename VerticesAt>
+      void write (Patch& patch, const VerticesAt& verticesAt)
       {
         const PatchPart strip = { 0,patch.quads[0],0,patch.quads[1] };
         writeStrip(patch,strip,[&](const PatchPart& all, unsigned step) -> PatchVertices& {
-            const float (*vertices)[3] = evaluated(step);
+            const float (*vertices)[3] = verticesAt(step);
             if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
             evaluatedVertices.set(patch.quads[0],patch.quads[1],vertices);
             return evaluatedVertices;

@@ -344,18 +344,18 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
 /* --- nearest hit --------------------------------------------------------------------- */
 
 /* Results of classifyHit. */
-CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
-CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
+CVERT_CONSTANT uint32_t hitIsOutOfRange = 0u; //!< the hit does not count
+CVERT_CONSTANT uint32_t hitIsInRange = 1u;    //!< the hit counts
+CVERT_CONSTANT uint32_t hitIsTied = 2u;       //!< the hit counts if it hasPrecedence over the ray's previous one
 
 /*! Decides whether a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit.
  *  isHitDistance: tfar is the distance of a cVERT hit, rounded to float; `exact` is then compared as a float, too. */
 CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
-  uint32_t farther = isHitDistance ? (t == tfar ? hitIsTied : hitIsOutside)
-                             : (exact <= Wide(tfar) ? hitIsNearest : hitIsOutside);
-  return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
+  uint32_t farther = isHitDistance ? (t == tfar ? hitIsTied : hitIsOutOfRange)
+                             : (exact <= Wide(tfar) ? hitIsInRange : hitIsOutOfRange);
+  return !(exact >= Wide(tnear)) ? hitIsOutOfRange : CVERT_LIKELY(t < tfar) ? hitIsInRange : farther;
 }
 
 /*! Orders triangles of a scene or an instance that are hit at the same distance. */

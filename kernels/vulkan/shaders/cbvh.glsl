@@ -162,7 +162,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
       if (keys.x != 0xFFFFFFFFu) {
         current = node.children[cbvhChildOfKey(keys.x)];
-        ray.enter = cbvhEntryOfKey(keys.x);
+        ray.entryT = cbvhEntryOfKey(keys.x);
       }
     }
 
@@ -201,7 +201,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       top--;
     } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
     current = stack[top].x;
-    ray.enter = cbvhEntryOfKey(stack[top].y);
+    ray.entryT = cbvhEntryOfKey(stack[top].y);
   }
   return found;
 }

@@ -153,7 +153,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
                  CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
   float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar),
-        t = min(max(own, ray.enter), ray.tfar);
+        t = min(max(own, ray.entryT), ray.tfar);
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
   framed = vec2(t, own);
   uint height = heightOf(header.info);

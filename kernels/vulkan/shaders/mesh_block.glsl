@@ -155,7 +155,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
 {
   CbvhVertRay vert = cbvhVertRay(ray);
   CbvhMeshAxes axes = cbvhMeshAxes(block, ray, vert);
-  uint open = 0u, topology = 0u, vertices = 0u, numbers = 0u, firstVertex = 0u;
+  uint groups = 0u, topology = 0u, vertices = 0u, numbers = 0u, firstVertex = 0u;
   [[dont_unroll]] for (uint g = 0u; g < block.groups; g++)
   {
     uint group = cbvhMeshGroupByte(block, g), record = cbvhMeshRecord(block, g);
@@ -174,7 +174,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
     }
     cbvhMeshGroups[g] = uvec4(topology | (vertices << 16), numbers | (firstVertex << 16), planes, fields);
     cbvhMeshEntries[g] = interval.from;
-    if (interval.from <= interval.to) open |= 1u << g;
+    if (interval.from <= interval.to) groups |= 1u << g;
     topology += meshTopology(group, record, meshVertices(block.counts)).bits;
     vertices += groupOwnVertices(record)*bits;
     numbers += meshNumberBits(block.counts, group, record);
@@ -182,7 +182,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
   }
   block.verticesBegin = block.topologyBegin + ((topology + 7u) & ~7u);
   block.numbersBegin = block.verticesBegin + ((vertices + 7u) & ~7u);
-  return open;
+  return groups;
 }
 
 /* --- topology and vertices -------------------------------------------------------------- */
@@ -316,11 +316,11 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
   return true;
 }
 
-/* Returns the group whose box the ray enters first. open: mask of groups, not 0. */
-uint cbvhFirstMeshGroup (uint open)
+/* Returns the group whose box the ray enters first. groups: mask, not 0. */
+uint cbvhFirstMeshGroup (uint groups)
 {
-  uint first = uint(findLSB(open));
-  for (uint rest = open & (open - 1u); rest != 0u; rest &= rest - 1u) {
+  uint first = uint(findLSB(groups));
+  for (uint rest = groups & (groups - 1u); rest != 0u; rest &= rest - 1u) {
     uint g = uint(findLSB(rest));
     if (cbvhMeshEntries[g] < cbvhMeshEntries[first]) first = g;
   }
@@ -334,12 +334,12 @@ bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   if (!cbvhIsVisible(scene, ray, at.geomID)) return false;
   CbvhMeshBlock block = cbvhReadMeshBlock(at);
   CbvhShear shear = cbvhShear(ray.dir);
-  uint open = cbvhFindMeshGroups(block, ray, hit.t);
+  uint groups = cbvhFindMeshGroups(block, ray, hit.t);
   bool found = false;
-  while (open != 0u)
+  while (groups != 0u)
   {
-    uint g = cbvhFirstMeshGroup(open);
-    open &= ~(1u << g);
+    uint g = cbvhFirstMeshGroup(groups);
+    groups &= ~(1u << g);
     if (cbvhMeshEntries[g] <= hit.t)
     {
       CbvhMeshGroup group = cbvhMeshGroup(block, g);
@@ -350,11 +350,11 @@ bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
         triangles &= triangles - 1u;
         if (cbvhHitMeshTriangle(block, group, ray, shear, t, hit, nearest)) {
           found = true;
-          if (anyHit) triangles = open = 0u;
+          if (anyHit) triangles = groups = 0u;
         }
       }
     }
-    else open = 0u; // the other groups are farther
+    else groups = 0u; // the other groups are farther
   }
   return found;
 }

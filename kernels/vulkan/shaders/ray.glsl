@@ -48,7 +48,7 @@ struct CbvhPreparedRay
   vec3 rcp;       // reciprocals of the direction, finite
   float tnear;    // not negative
   float tfar;     // end of the ray, independent of hits
-  float enter;    // lower bound of the distance to the current leaf
+  float entryT;   // lower bound of the distance to the current leaf
   uint mask;
   float time;     // finite; before all motion if the ray's time is not finite
   uint instID;    // instance that is being traversed, or CBVH_NONE
@@ -80,7 +80,7 @@ CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
   vec3 size = abs(ray.direction);
   float largest = max(size.x, max(size.y, size.z));
   for (int k = 0; k < 3; k++) prepared.rcp[k] = cbvhReciprocal(ray.direction[k], largest);
-  prepared.tnear = prepared.enter = max(ray.tnear, 0.0);
+  prepared.tnear = prepared.entryT = max(ray.tnear, 0.0);
   prepared.tfar = ray.tfar;
   prepared.mask = ray.mask;
   prepared.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;

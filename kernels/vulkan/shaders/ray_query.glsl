@@ -34,7 +34,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
   return hit;
 }
 
-/* Tests the exact box; the driver's is larger. Sets ray.enter. */
+/* Tests the exact box; the driver's is larger. Sets ray.entryT. */
 bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -43,7 +43,7 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
-  ray.enter = enter;
+  ray.entryT = enter;
   return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
 }
 

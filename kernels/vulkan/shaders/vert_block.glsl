@@ -96,12 +96,12 @@ uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
 uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                  float tfar, uint mirror)
 {
-  uint open = 0u;
+  uint groups = 0u;
   if (block.hasRaw) {
     for (uint g = 0u; g < block.groups; g++)
       if (cbvhIntersectsRawGroup(block, ray, vert, tfar, g))
-        open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
-    return open;
+        groups |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
+    return groups;
   }
   ivec3 below[5];
   CellRow firstRow = rowOfCell(first, 0);
@@ -114,10 +114,10 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, Cbvh
     [[unroll]] for (int i = 0; i < 4; i++)
       if (uint(i) < block.groupsX && cbvhIntersectsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i),
                                                          below[i], below[i + 1], row[i], row[i + 1]))
-        open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
+        groups |= 1u << ((uint(i) + 4u*gy) ^ mirror);
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
-  return open;
+  return groups;
 }
 
 /* Intersects the triangles of a group. Loops here and below have one exit: lavapipe (Mesa 22.3) loses hits of rays that
@@ -155,12 +155,12 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   }
   vec3 spacing = cbvhSpacing(block.first);
   uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
-  uint open = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
+  uint groups = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
   bool found = false;
-  while (open != 0u && !(anyHit && found))
+  while (groups != 0u && !(anyHit && found))
   {
-    uint lane = uint(findLSB(open)) ^ mirror, gx = lane & 3u, gy = lane >> 2;
-    open &= open - 1u;
+    uint lane = uint(findLSB(groups)) ^ mirror, gx = lane & 3u, gy = lane >> 2;
+    groups &= groups - 1u;
     CodedCell cell = first;
     if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);

@@ -88,7 +88,7 @@ bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   uint result = classifyHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
-  if (result == hitIsOutside || (result == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
+  if (result == hitIsOutOfRange || (result == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
 
   at.t = float(exact);
   at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);

@@ -52,8 +52,8 @@ namespace embree
         x.event.ended = ended;
         bool above0 = x.f.f0 >= 0.0f, above1 = x.f.f1 >= 0.0f;
         x.event.changes = above0 != above1;
-        if (ray.enter(tile.grandchildren,2,leaf) >= sNear && !started) above0 = ray.descends();
-        if (ray.leave(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
+        if (ray.entryS(tile.grandchildren,2,leaf) >= sNear && !started) above0 = ray.descends();
+        if (ray.exitS(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
         x.event.enter = above0 ? sideAbove : sideBelow;
         x.event.leave = above1 ? sideAbove : sideBelow;
         const float reach = surfaces.halfThickness[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);

@@ -141,11 +141,11 @@ namespace embree
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
         for (int axis=0; axis<2; axis++)
         {
-          const int upper = childColumn(quad,axis);
+          const int upper = childCoordinate(quad,axis);
           if (!group.border[axis][upper] || !(sharpSides >> sides[axis][upper] & 1)) continue;
           double overhang = 0;
           for (int c=0; c<4; c++) {
-            if (childColumn(c,axis) != upper) continue;
+            if (childCoordinate(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
             overhang = std::max(overhang,upper ? 1-u : u);
           }

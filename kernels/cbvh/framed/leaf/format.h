@@ -163,15 +163,15 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   leaf.solid = false;
   leaf.empty = false;
   for (int axis=0; axis<2; axis++) {
-    int column = childColumn(child,axis);
-    leaf.box.lower[axis] = latticePlane(word,axis,column,parent);
-    leaf.box.extent[axis] = latticePlane(word,axis,column+1,parent)-leaf.box.lower[axis];
+    int coordinate = childCoordinate(child,axis);
+    leaf.box.lower[axis] = latticePlane(word,axis,coordinate,parent);
+    leaf.box.extent[axis] = latticePlane(word,axis,coordinate+1,parent)-leaf.box.lower[axis];
   }
   HeightBins bins = heightBins(parent,latticeRange,latticeBins);
   leaf.thickness = latticeThickness(word >> latticeThicknessShift)*bins.size;
   float lowest = 1e30f, highest = -1e30f;
   for (int c=0; c<4; c++) {
-    int vertex = childColumn(child,0)+(c&1) + 3*(childColumn(child,1)+(c>>1));
+    int vertex = childCoordinate(child,0)+(c&1) + 3*(childCoordinate(child,1)+(c>>1));
     leaf.z[c] = heightInBins(bins,float(latticeHeight(heights,vertex)));
     lowest = lesser(lowest,leaf.z[c]);
     highest = greater(highest,leaf.z[c]);

@@ -22,10 +22,10 @@ namespace embree
         const NodeBox box = decodeLeaf(encoded.word,encoded.heights,quad,parent).box;
         for (int axis=0; axis<2; axis++)
         {
-          const int upper = childColumn(quad,axis);
+          const int upper = childCoordinate(quad,axis);
           if (!group.border[axis][upper]) continue;
           for (int c=0; c<4; c++) {
-            if (childColumn(c,axis) != upper) continue;
+            if (childCoordinate(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
             // 1e-3: margin for the rounding of a ray's u
             width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3);

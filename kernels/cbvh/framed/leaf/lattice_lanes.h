@@ -71,7 +71,7 @@ namespace embree
       Double4 plane(int axis, int i) const { return planes[axis][i]; }
       Double4 reciprocalWidth(int axis, int i) const { return reciprocal[axis][i]; }
       Double4 height(int v) const { return z[v]; }
-      Double4 thickness() const { return thick; }
+      Double4 thickness() const { return leafThickness; }
 
     private:
       /*! Highest code, up to 31, for which closure(latticeOuter(code)) is true, or 0. If it is true for a code, it must
@@ -387,7 +387,7 @@ namespace embree
         for (int lane=0; lane<4; lane++) encoded &= ~(uint32_t(codes[lane] == 4) << lane);
         const Int4 coded = Int4::load(codes);
         word = word | (coded << latticeThicknessShift);
-        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),
+        leafThickness = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),
           latticeThickness(codes[3]&3))*size;
       }
 
@@ -443,7 +443,7 @@ namespace embree
       Double4 z[9];
       Double4 deviation[9];    //!< height of the surface above vertices; set by computeDeviation()
       Double4 unitSag[4];      //!< per cell: sag of a straight line that advances by 1 on both axes
-      Double4 thick;
+      Double4 leafThickness;
     };
   }}
 }

@@ -32,7 +32,7 @@ namespace embree
       /*! Mask of lanes whose leaf c is certainly good, and not thicker than maxThickness. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
-        const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
+        const int column = childCoordinate(c,0), row = childCoordinate(c,1), v = column+3*row;
         const Double4 z[4] = { lattices.height(v),lattices.height(v+1),lattices.height(v+3),lattices.height(v+4) };
         const Double4 thickness = lattices.thickness(), half = 0.5*thickness;
         const Double4 lowest = min(min(z[0],z[1]),min(z[2],z[3])), highest = max(max(z[0],z[1]),max(z[2],z[3]));

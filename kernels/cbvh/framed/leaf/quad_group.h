@@ -23,8 +23,8 @@ namespace embree
       /*! True if a corner of a quad is on the block's border. */
       bool isOnBorder(int quad, int corner) const {
         for (int axis=0; axis<2; axis++) {
-          const int upper = childColumn(corner,axis);
-          if (childColumn(quad,axis) == upper && border[axis][upper]) return true;
+          const int upper = childCoordinate(corner,axis);
+          if (childCoordinate(quad,axis) == upper && border[axis][upper]) return true;
         }
         return false;
       }

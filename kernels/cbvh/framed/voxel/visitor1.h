@@ -35,7 +35,7 @@ namespace embree
         /*! Position in a leaf's box at s, along an axis, 0 to 1. */
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
-          const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
+          const float lower = boxes.planes[axis][0][leaf], upper = boxes.planes[axis][1][leaf];
           return clamp((fused(s,this->nodeRay.D[axis],this->nodeRay.P[axis]) - lower)/(upper-lower),0.0f,1.0f);
         }
       };

@@ -39,7 +39,7 @@ namespace embree
         __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf,
                                           const vfloat<K>& s) const
         {
-          const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
+          const float lower = boxes.planes[axis][0][leaf], upper = boxes.planes[axis][1][leaf];
           const vfloat<K> at =
             (madd(s,this->nodeRays.D[axis],this->nodeRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
           return min(max(at,vfloat<K>(zero)),vfloat<K>(1.0f));
