@@ -187,7 +187,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
   EXPECT_GT(sheared, 1000u);
 }
 
-TEST(VertBlock, ReachContainsTheBlock)
+TEST(VertBlock, BoundsContainTheBlock)
 {
   Random random(seed + 3);
   auto encoder = std::make_unique<VertEncoder>();
@@ -201,7 +201,7 @@ TEST(VertBlock, ReachContainsTheBlock)
     const VertHeader* block = encoded.block();
     const auto decoded = std::make_unique<DecodedBlock>(block);
     const int m = shearedAxis(block->boxForm);
-    auto stepOn = [&](int k) { return float(reachStep(block->boxForm))*spacingOf(block, k); };
+    auto stepOn = [&](int k) { return float(boundsStep(block->boxForm))*spacingOf(block, k); };
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
@@ -213,8 +213,8 @@ TEST(VertBlock, ReachContainsTheBlock)
     ASSERT_EQ(least[1], 0);
     for (int k = 0; k < 3; k++) {
       const float step = stepOn(k < 2 ? (m + 1 + k) % 3 : m);
-      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step,
-                  lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
+      const float upper = float(encodedBound(block->bounds, k < 2 ? k : 3))*step,
+                  lower = k < 2 ? 0 : float(encodedBound(block->bounds, 2))*step;
       ASSERT_LE(lower, least[k]);
       ASSERT_GE(upper, greatest[k]);
       // sheared coordinates are multiples of a sixteenth
@@ -306,7 +306,7 @@ TEST(VertBlock, AnyFloatsRoundTrip)
       return h;
     };
     const VertLayout layout = vertLayout(block->region, block->boxForm);
-    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm),
+    const float extent = vertExtent(block->boxForm, block->bounds, boundsStep(block->boxForm),
                                     vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
@@ -321,11 +321,11 @@ TEST(VertBlock, AnyFloatsRoundTrip)
             ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
-            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm),
+            const long double step = (long double)spacingOf(block, k)*boundsStep(block->boxForm),
                               from = k == m ? c : c - block->origin[k];
             const int of = k == m ? 3 : (k - m + 2) % 3;
-            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from &&
-                        from <= step*reachOf(block->reach, of))
+            ASSERT_TRUE((k == m ? step*encodedBound(block->bounds, 2) : 0) <= from &&
+                        from <= step*encodedBound(block->bounds, of))
               << "sheet " << i << ", axis " << k;
           }
     }

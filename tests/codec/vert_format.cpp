@@ -128,7 +128,7 @@ TEST(VertFormat, HeaderMatchesPage)
 {
   expectRows("block.md", "Header",
              {{"origin", offsetof(VertHeader, origin)},
-              {"reach", offsetof(VertHeader, reach)},
+              {"bounds", offsetof(VertHeader, bounds)},
               {"surface", offsetof(VertHeader, surface)},
               {"primID", offsetof(VertHeader, primID)},
               {"region", offsetof(VertHeader, region)},
@@ -163,7 +163,7 @@ TEST(VertFormat, FieldsMatchPages)
   for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << form[size_t(4 + i)].first, 1 + i), -7) << i;
   EXPECT_TRUE(isRaw(3u << form[3].first) && !isRaw(~(1u << form[3].first)));
   expectFlag(form[6], hasRemainders);
-  EXPECT_EQ(reachStep(5u << form[7].first), 32u);
+  EXPECT_EQ(boundsStep(5u << form[7].first), 32u);
   expectFlag(form[8], hasEdges);
   expectFlag(form[9], hasNumbers);
   expectFlag(form[10], isMoving);
@@ -223,8 +223,8 @@ TEST(VertFormat, MotionMatchesPage)
               {"corners", offsetof(VertStep, corners)},
               {"rotation", offsetof(VertStep, rotation)},
               {"matrix", offsetof(VertStep, matrix)},
-              {"reach", offsetof(VertStep, reach)},
-              {"endReach", offsetof(VertStep, endReach)}},
+              {"bounds", offsetof(VertStep, bounds)},
+              {"endBounds", offsetof(VertStep, endBounds)}},
              0, vertStepBytes);
   const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
   ASSERT_EQ(form.size(), 6u);
@@ -232,13 +232,13 @@ TEST(VertFormat, MotionMatchesPage)
   expectFlag(form[2], isFirstCellRotated);
   expectFlag(form[3], hasUpperBits);
   expectFlag(form[4], hasMargins);
-  EXPECT_EQ(beginReachStep(5u << form[5].first), 32u);
+  EXPECT_EQ(beginBoundsStep(5u << form[5].first), 32u);
   const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");
   ASSERT_EQ(rotation.size(), 5u);
   EXPECT_EQ(rotation[0].count, 16u);
   EXPECT_TRUE(areResidualsRotated(1u << 9, 9) && !areResidualsRotated(~(1u << 9), 9));
   EXPECT_EQ(rotationShift(3u << rotation[1].first), 4u);
-  EXPECT_EQ(endReachStep(5u << rotation[2].first), 32u);
+  EXPECT_EQ(endBoundsStep(5u << rotation[2].first), 32u);
   VertStep step = {};
   step.rotation = 3u << rotation[1].first | uint32_t(uint8_t(-100)) << rotation[4].first;
   for (int i = 0; i < 8; i++) ((int8_t*)step.matrix)[i] = int8_t(11*i - 40);

@@ -30,7 +30,7 @@ CVERT_CONSTANT float unitUlps = 8.0f;
 /*! Distance from a box's center to its surface, relative to 1/(the smallest stretch of x, y and z). If the sides are
  *  orthogonal, the longest is at most sqrt(3) times that reciprocal. It extends half of this from the center, and 3/2
  *  ulps there are less than distanceUlps of this distance. */
-CVERT_CONSTANT float reachOfBox = 0.75f;
+CVERT_CONSTANT float relativeBoxRadius = 0.75f;
 
 /*! Greater than any ray parameter. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
@@ -88,8 +88,8 @@ CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int
     if (j == 3) stretchW = stretch;
     else shortest = lesser(shortest,stretch);
   }
-  Real reach = distance + Real(reachOfBox)/shortest;
-  return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
+  Real farthest = distance + Real(relativeBoxRadius)/shortest;
+  return Real(distanceUlps*floatUlp)*farthest*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
 /*! Maps a ray into a block's frame, and clips it to the block's box. widening: factor of epsilon, 1 in traversal. */

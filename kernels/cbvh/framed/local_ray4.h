@@ -99,7 +99,7 @@ namespace embree
             madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
           const vfloat4 D = madd(vfloat4(state.dir.x),cx,madd(vfloat4(state.dir.y),cy,vfloat4(state.dir.z)*cz));
           const BlockStretch stretch(cx,cy,cz);
-          const float farthest = fused(reachOfBox,stretch.longest,reduce_max(abs(o)));
+          const float farthest = fused(relativeBoxRadius,stretch.longest,reduce_max(abs(o)));
           epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
 
           Clip clip(O,D,epsilon);

@@ -84,7 +84,7 @@ namespace embree
           const BlockStretch stretch(vfloat4::load(block->columns[0]),vfloat4::load(block->columns[1]),
             vfloat4::load(block->columns[2]));
           const vfloat<K> farthest =
-            madd(vfloat<K>(reachOfBox),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
+            madd(vfloat<K>(relativeBoxRadius),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
           const vfloat<K> distance = vfloat<K>(distanceUlps*floatUlp)*farthest;
           vfloat<K> epsilon[3];
           for (int k=0; k<3; k++) epsilon[k] = madd(distance,vfloat<K>(stretch.withW[k]),vfloat<K>(unitUlps*floatUlp));

@@ -46,7 +46,7 @@ namespace embree
       {
         const bool raw = isRaw(block->boxForm);
         const float extent = unlikely(raw) ? 0.0f
-          : vertExtent(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+          : vertExtent(block->boxForm,block->bounds,boundsStep(block->boxForm),spacingOf(block->word,block->corners));
         setShear(block->boxForm,!raw,axes);
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];

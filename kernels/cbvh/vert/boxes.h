@@ -46,10 +46,10 @@ namespace embree
         __forceinline RayInBoxes (const VertRayAxes<float>& ray, const GroupBoxes& boxes)
         {
           const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(boxes.origin);
-          const vfloat4 reach = abs(distance) + vfloat4::loadu(boxes.extent), shear = vfloat4::loadu(boxes.shear);
-          vfloat4::store(slack,vfloat4(slackUlps*floatUlp)*reach*abs(vfloat4::loadu(ray.rcp)));
+          const vfloat4 farthest = abs(distance) + vfloat4::loadu(boxes.extent), shear = vfloat4::loadu(boxes.shear);
+          vfloat4::store(slack,vfloat4(slackUlps*floatUlp)*farthest*abs(vfloat4::loadu(ray.rcp)));
           vfloat4 x, y, z;
-          transpose(shear*distance,shear*vfloat4::loadu(ray.dir),abs(shear)*reach,vfloat4(zero),x,y,z);
+          transpose(shear*distance,shear*vfloat4::loadu(ray.dir),abs(shear)*farthest,vfloat4(zero),x,y,z);
           vfloat4::store(coordinate,x+y+z);
         }
 
@@ -63,8 +63,8 @@ namespace embree
         }
       };
 
-      /*! Bounds of a block relative to its origin, see BlockReach. */
-      struct BlockBounds : public VertAxes, public BlockReach
+      /*! Bounds of a block relative to its origin, see ShearedBounds. */
+      struct BlockBounds : public VertAxes, public ShearedBounds
       {
         float slack[3]; //!< further outward offset of planes, by axis: rounding of interpolated bounds
       };
@@ -98,9 +98,9 @@ namespace embree
       {
         BlockBounds bounds;
         setShear(block->boxForm,true,bounds);
-        static_cast<BlockReach&>(bounds) = reachOfBlock(block->boxForm,block->reach,reachStep(block->boxForm),
+        static_cast<ShearedBounds&>(bounds) = decodeBounds(block->boxForm,block->bounds,boundsStep(block->boxForm),
                                                         spacingOf(block->word,block->corners));
-        const float extent = extentOfReach(bounds);
+        const float extent = extentOfBounds(bounds);
         for (int k=0; k<3; k++) {
           bounds.origin[k] = block->origin[k];
           bounds.extent[k] = extent;
@@ -110,13 +110,13 @@ namespace embree
       }
 
       /*! Bounds of a moving block between two time steps. Reads only the headers of the steps. */
-      class SegmentReach
+      class SegmentBounds
       {
         struct End
         {
           const float* origin;
           VertSpacing spacing;
-          uint32_t reach, reachUnit; //!< bounds, and their unit (reachStep)
+          uint32_t bounds, boundsUnit; //!< bounds, and their unit (boundsStep)
         };
         End ends[2];
         uint32_t form;
@@ -124,35 +124,35 @@ namespace embree
       public:
         bool raw; //!< an end is raw; the segment has no bounds
 
-        __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
+        __forceinline SegmentBounds (const VertHeader* block, uint32_t segment)
         {
           const VertStep* const end = stepOf(block,segment+1);
           if (likely(segment == 0)) {
             form = block->boxForm;
-            set(ends[0],block->origin,spacingOf(block->word,block->corners),reachStep(form),block->reach);
+            set(ends[0],block->origin,spacingOf(block->word,block->corners),boundsStep(form),block->bounds);
           }
           else {
             const VertStep* const begin = stepOf(block,segment);
             form = begin->boxForm;
-            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginReachStep(form),begin->reach);
+            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginBoundsStep(form),begin->bounds);
           }
-          set(ends[1],end->origin,spacingOf(end->word,end->corners),endReachStep(end->rotation),end->endReach);
+          set(ends[1],end->origin,spacingOf(end->word,end->corners),endBoundsStep(end->rotation),end->endBounds);
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
         /*! Upper bound of the vertices' distance from the origin at all times. Requires !raw. */
         __forceinline float extent () const
         {
-          return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
+          return max(extentOfBounds(boundsOf(ends[0])),extentOfBounds(boundsOf(ends[1])));
         }
 
         /*! Sets the bounds at fraction f of the segment, 0 to 1. Requires !raw. */
         __forceinline void set (float f, BlockBounds& out) const
         {
           setShear(form,true,out);
-          const BlockReach begin = reachOf(ends[0]), end = reachOf(ends[1]);
-          static_cast<BlockReach&>(out) = reachBetween(begin,end,f);
-          const float e = 1.0f-f, extent = max(extentOfReach(begin),extentOfReach(end));
+          const ShearedBounds begin = boundsOf(ends[0]), end = boundsOf(ends[1]);
+          static_cast<ShearedBounds&>(out) = interpolateBounds(begin,end,f);
+          const float e = 1.0f-f, extent = max(extentOfBounds(begin),extentOfBounds(end));
           float sheared = 0.0f;
           for (int k=0; k<3; k++) {
             out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
@@ -164,17 +164,17 @@ namespace embree
         }
 
       private:
-        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t reachUnit,
-                                       uint32_t reach)
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t boundsUnit,
+                                       uint32_t bounds)
         {
           end.origin = origin;
           end.spacing = spacing;
-          end.reachUnit = reachUnit;
-          end.reach = reach;
+          end.boundsUnit = boundsUnit;
+          end.bounds = bounds;
         }
 
-        __forceinline BlockReach reachOf (const End& end) const {
-          return reachOfBlock(form,end.reach,end.reachUnit,end.spacing);
+        __forceinline ShearedBounds boundsOf (const End& end) const {
+          return decodeBounds(form,end.bounds,end.boundsUnit,end.spacing);
         }
       };
     }

@@ -70,7 +70,7 @@ namespace embree
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) out.origins[e][k] = steps[e].origin[k];
           const bool isSheared = !cvert::isRaw(steps[0].form) && !cvert::isRaw(steps[1].form);
-          const float extent = likely(isSheared) ? SegmentReach(block,segment).extent() : 0.0f;
+          const float extent = likely(isSheared) ? SegmentBounds(block,segment).extent() : 0.0f;
           for (int k=0; k<3; k++) out.extent[k] = extent;
           setShear(steps[0].form,isSheared,out);
           for (int e=0; e<2; e++)

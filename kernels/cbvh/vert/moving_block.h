@@ -40,10 +40,10 @@ namespace embree
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
-          const SegmentReach reach(block,segment);
-          if (unlikely(reach.raw)) return true;
+          const SegmentBounds segmentBounds(block,segment);
+          if (unlikely(segmentBounds.raw)) return true;
           BlockBounds bounds;
-          reach.set(fraction,bounds);
+          segmentBounds.set(fraction,bounds);
           return intersectsBounds<float>(ray,bounds,tNear,tFar);
         }
 

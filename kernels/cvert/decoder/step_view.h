@@ -110,16 +110,16 @@ CVERT_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) {
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
 /*! Bounds at the step in the shear of the segment that begins with it. */
-CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
+CVERT_FUNCTION ShearedBounds boundsAtBegin (CVERT_IN(StepView) step)
 {
-  uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
-  return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
+  uint32_t encoded = step.isLater ? CVERT_AT(VertStep,step.data).bounds : CVERT_AT(VertHeader,step.data).bounds;
+  return decodeBounds(step.form,encoded,step.isLater ? beginBoundsStep(step.form) : boundsStep(step.form),step.spacing);
 }
 
 /*! Bounds at the step in the shear of the segment that ends with it. form: boxForm of the step at the segment's
  *  beginning. */
-CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
-  return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.rotation),step.spacing);
+CVERT_FUNCTION ShearedBounds boundsAtEnd (CVERT_IN(StepView) step, uint32_t form) {
+  return decodeBounds(form,CVERT_AT(VertStep,step.data).endBounds,endBoundsStep(step.rotation),step.spacing);
 }
 
 CVERT_END

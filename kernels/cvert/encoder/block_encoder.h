@@ -59,7 +59,7 @@ namespace cvert { inline namespace CVERT_ISA
         boxes.addGroups();
         header.boxForm |= boxes.write(block+layout.margins);
         uint32_t shift;
-        header.reach = boxes.encodeReach(0,shift);
+        header.bounds = boxes.encodeBounds(0,shift);
         header.boxForm |= shift << 25;
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
       }

@@ -10,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Call begin(), addGroup() for all groups and ends, then write() and encodeReach(). */
+  /*! Call begin(), addGroup() for all groups and ends, then write() and encodeBounds(). */
   class BoxEncoder
   {
   public:
@@ -57,9 +57,9 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Returns the bounds at an end as VertHeader::reach, in units of 2^shift coordinates. shift: receives the smallest
+    /*! Returns VertHeader::bounds for an end, in units of 2^shift coordinates. shift: receives the smallest
      *  possible. */
-    uint32_t encodeReach (uint32_t end, uint32_t& shift) const
+    uint32_t encodeBounds (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];
       const Heights& sheared = heights[end];

@@ -104,7 +104,7 @@ namespace cvert { inline namespace CVERT_ISA
       end += sizeof(uint32_t)*(motion.numSteps-1);
       marginsOfSegment = block+layout.margins;
       formOfSegment = &header.boxForm;
-      reachOfSegment = &header.reach;
+      boundsOfSegment = &header.bounds;
       rotation.setFirst(first,layout.groups);
     }
 
@@ -131,16 +131,16 @@ namespace cvert { inline namespace CVERT_ISA
         boxes.addGroups();
         const uint32_t shiftAt = step == 1 ? 25 : 28;
         uint32_t shift;
-        *reachOfSegment = boxes.encodeReach(0,shift);
+        *boundsOfSegment = boxes.encodeBounds(0,shift);
         *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
           | shift << shiftAt;
-        header.endReach = boxes.encodeReach(1,shift);
+        header.endBounds = boxes.encodeBounds(1,shift);
         header.rotation |= shift << 19;
       }
       wasRaw = !packed;
       marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).margins;
       formOfSegment = &header.boxForm;
-      reachOfSegment = &header.reach;
+      boundsOfSegment = &header.bounds;
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
@@ -248,7 +248,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
     uint8_t* marginsOfSegment;  //!< these three point into the previous step, where the current segment begins
-    uint32_t* formOfSegment, * reachOfSegment;
+    uint32_t* formOfSegment, * boundsOfSegment;
     MotionStatistics statistics;
     std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< vertices of odd steps

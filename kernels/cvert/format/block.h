@@ -61,7 +61,7 @@ CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< per group of a raw block: 
 struct VertHeader
 {
   float origin[3];        //!< position of coordinates (0,0,0)
-  uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
+  uint32_t bounds;        //!< bounds of the block, 8 bits each: see boundsStep
   uint32_t surface;       //!< surface number, see limits.h
   uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
   uint32_t region;        //!< size and position in the patch: see packRegion
@@ -69,7 +69,7 @@ struct VertHeader
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
   uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
-                          //!< 24: has remainders; 25..28: shift of reach; 29: has edges; 30: has primitive numbers;
+                          //!< 24: has remainders; 25..28: shift of bounds; 29: has edges; 30: has primitive numbers;
                           //!< 31: moves
   uint32_t word;          //!< word of the first cell; bits 24..31: exponent of the spacing on x
 };
@@ -155,15 +155,15 @@ CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); 
 /*! Slope s1 or s2 (i = 1 or 2), in 1/16. */
 CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
-/*! Unit of VertHeader::reach, in coordinates. Bits 0..7 and 8..15 of reach are the upper bounds on the axes m+1 and
- *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
+/*! Unit of VertHeader::bounds, in coordinates. Bits 0..7 and 8..15 are the upper bounds on the axes m+1 and m+2,
+ *  whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
  *  coordinate. */
-CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CVERT_FUNCTION uint32_t boundsStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
 
-/*! Byte i of reach, in units of reachStep. */
-CVERT_FUNCTION int reachOf (uint32_t reach, int i)
+/*! Byte i of VertHeader::bounds, in units of boundsStep. */
+CVERT_FUNCTION int encodedBound (uint32_t bounds, int i)
 {
-  int bits = int((reach >> (8*i)) & 255u);
+  int bits = int((bounds >> (8*i)) & 255u);
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
@@ -208,29 +208,29 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
 
 /*! Bounds of a block relative to its origin, in world units: 0 to upper[i] on the axes m+1 and m+2, sheared[0] to
  *  sheared[1] for the sheared coordinate. */
-struct BlockReach { float upper[2], sheared[2]; };
+struct ShearedBounds { float upper[2], sheared[2]; };
 
-/*! step: reachStep. The products are exact. */
-CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+/*! encoded: VertHeader::bounds, VertStep::bounds or VertStep::endBounds. step: its unit. The products are exact. */
+CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t boxForm, uint32_t encoded, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
-  BlockReach bounds;
-  bounds.upper[0] = float(reachOf(reach,0))*float(step)*spacing.at[axisAfter(m,1)];
-  bounds.upper[1] = float(reachOf(reach,1))*float(step)*spacing.at[axisAfter(m,2)];
-  bounds.sheared[0] = float(reachOf(reach,2))*float(step)*spacing.at[m];
-  bounds.sheared[1] = float(reachOf(reach,3))*float(step)*spacing.at[m];
+  ShearedBounds bounds;
+  bounds.upper[0] = float(encodedBound(encoded,0))*float(step)*spacing.at[axisAfter(m,1)];
+  bounds.upper[1] = float(encodedBound(encoded,1))*float(step)*spacing.at[axisAfter(m,2)];
+  bounds.sheared[0] = float(encodedBound(encoded,2))*float(step)*spacing.at[m];
+  bounds.sheared[1] = float(encodedBound(encoded,3))*float(step)*spacing.at[m];
   return bounds;
 }
 
 /*! Upper bound, on any axis, of the distance from the origin to vertices and planes of boxes. Slopes are less than 1,
  *  so no vertex is farther than the sum of the bounds; margins may double this. One bound for all axes, because the
  *  shear of a ray mixes their rounding errors. */
-CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
+CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
-  return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
+CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t encoded, uint32_t step, VertSpacing spacing) {
+  return extentOfBounds(decodeBounds(boxForm,encoded,step,spacing));
 }
 
 /*! Factor of the coordinate on axis m+i (i = 1 or 2) in h, which is in spacings of m. */

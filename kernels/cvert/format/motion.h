@@ -32,20 +32,20 @@ struct VertStep
   float origin[3];        //!< as in VertHeader
   uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, but 12..13: 3 if the step is
                           //!< raw; 24: has remainders; 25: the first cell is rotated; 26: words of groups have upper
-                          //!< bits; 27: has margins; 28..31: shift of reach
+                          //!< bits; 27: has margins; 28..31: shift of bounds
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
   uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: shift of the matrix; 19..22:
-                          //!< shift of endReach; 24..31: last entry of the matrix
+                          //!< shift of endBounds; 24..31: last entry of the matrix
   uint32_t matrix[2];     //!< other entries of the matrix, a byte each, row by row
-  uint32_t reach;         //!< at this step, as in VertHeader, in the shear of the segment that begins
-  uint32_t endReach;      //!< at this step in the shear of the segment that ends
+  uint32_t bounds;        //!< at this step, as in VertHeader, in the shear of the segment that begins
+  uint32_t endBounds;     //!< at this step in the shear of the segment that ends
 };
 CVERT_READABLE(VertStep,4)
 
-/* Units of VertStep::reach and VertStep::endReach, see reachStep. */
-CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
-CVERT_FUNCTION uint32_t endReachStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
+/* Units of VertStep::bounds and VertStep::endBounds, see boundsStep. */
+CVERT_FUNCTION uint32_t beginBoundsStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
+CVERT_FUNCTION uint32_t endBoundsStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
 CVERT_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
 CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
@@ -84,10 +84,10 @@ CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 }
 
 /*! Interpolates bounds between the steps a and b. fraction: 0 to 1. */
-CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
+CVERT_FUNCTION ShearedBounds interpolateBounds (ShearedBounds a, ShearedBounds b, float fraction)
 {
   float e = 1.0f-fraction;
-  BlockReach bounds;
+  ShearedBounds bounds;
   bounds.upper[0] = e*a.upper[0] + fraction*b.upper[0];
   bounds.upper[1] = e*a.upper[1] + fraction*b.upper[1];
   bounds.sheared[0] = e*a.sheared[0] + fraction*b.sheared[0];
@@ -97,7 +97,7 @@ CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fracti
 
 /*! Distance by which planes of boxes must move outwards on an axis between two steps: interpolated vertices, origins
  *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b:
- *  origins of the steps. extent: the larger extentOfReach of both. */
+ *  origins of the steps. extent: the larger extentOfBounds of both. */
 CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }

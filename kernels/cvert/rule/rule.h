@@ -46,7 +46,7 @@ CVERT_CONSTANT float slackUlps = 8.0f;
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
 /*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: at least
- *  extentOfReach. */
+ *  extentOfBounds. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }

@@ -95,14 +95,14 @@ const int cbvhMaxMeshRatio = 30;
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   CbvhMeshAxes axes = CbvhMeshAxes(3, true, vec3(0.0), 0.0, 1.0, 0.0);
-  vec3 reach; // bound of coordinates; planes have 8 bits
+  vec3 limit; // upper bounds of coordinates; planes have 8 bits
   for (int k = 0; k < 3; k++) {
-    reach[k] = float(256u << meshBoxShift(block.spacings, block.form, uint(k)));
-    axes.extent[k] = reach[k]*meshSpacing(block.spacings, uint(k));
+    limit[k] = float(256u << meshBoxShift(block.spacings, block.form, uint(k)));
+    axes.extent[k] = limit[k]*meshSpacing(block.spacings, uint(k));
   }
   if (!cbvhIsMeshSheared(block.form)) return axes;
   int m = int(meshShearedAxis(block.form)), exponent = int(cbvhByteOf(block.spacings, m));
-  float sheared = reach[m] + 1.0;
+  float sheared = limit[m] + 1.0;
   vec3 shears = vec3(0.0);
   shears[m] = 1.0;
   for (int i = 1; i < 3; i++) {
@@ -110,7 +110,7 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay
     float slope = float(meshSlope(block.form, uint(i)))*(1.0/16.0);
     axes.isBounded = axes.isBounded && abs(ratio) <= cbvhMaxMeshRatio;
     shears[k] = slope*floatOfBits(uint(clamp(ratio, -cbvhMaxMeshRatio, cbvhMaxMeshRatio) + 127) << 23);
-    sheared += abs(slope)*reach[k];
+    sheared += abs(slope)*limit[k];
   }
   axes.sheared = m;
   axes.extent[m] = sheared*meshSpacing(block.spacings, uint(m));
@@ -132,10 +132,10 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
   bool isSheared = k == axes.sheared;
   if (isSheared && !axes.isBounded) return interval;
   BoxPlanes planes;
-  float from = ray.org[k], reach = axes.extent[k];
+  float from = ray.org[k], size = axes.extent[k];
   if (hasRanks(block.spacings, uint(k))) {
     planes = BoxPlanes(cbvhMeshPosition(block, k, begin), cbvhMeshPosition(block, k, end - 1u));
-    reach = planes.upper - block.origin[k];
+    size = planes.upper - block.origin[k];
   }
   else {
     float spacing = meshSpacing(block.spacings, uint(k)), origin = isSheared ? 0.0 : block.origin[k];
@@ -144,7 +144,7 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
     planes.upper = origin + float(end)*spacing;
   }
   if (isSheared) from = axes.org;
-  float wide = isSheared ? axes.error : boxSlack(ray.org[k], block.origin[k], reach);
+  float wide = isSheared ? axes.error : boxSlack(ray.org[k], block.origin[k], size);
   return clipInterval(interval, (planes.lower - from) - wide, (planes.upper - from) + wide,
                  isSheared ? axes.rcp : vert.rcp[k]);
 }

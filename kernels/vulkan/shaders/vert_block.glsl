@@ -148,9 +148,9 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
   CodedCell first = cbvhNoCell();
   if (!block.hasRaw) {
-    BlockReach reach = reachAtBegin(block.first);
-    axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfReach(reach), ray, vert);
-    if (!cbvhIntersectsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
+    ShearedBounds bounds = boundsAtBegin(block.first);
+    axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfBounds(bounds), ray, vert);
+    if (!cbvhIntersectsBounds(ray, vert, axes, bounds, vec3(0.0), hit.t)) return false;
     first = firstCell(block.first, block.region);
   }
   vec3 spacing = cbvhSpacing(block.first);

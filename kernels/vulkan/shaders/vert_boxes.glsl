@@ -56,7 +56,7 @@ float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlac
   axes.extent); }
 
 /* Returns false if the ray misses the bounds of a block, widened by `slack` on each axis. */
-bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
+bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, ShearedBounds bounds, vec3 slack,
   float tfar)
 {
   int m = shearedAxis(axes.boxForm);
@@ -64,10 +64,10 @@ bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes a
   for (int i = 0; i < 2; i++) {
     int k = axisAfter(m, 1 + i);
     float from = axes.origin[k] - ray.org[k], wide = cbvhSlack(axes, ray, k) + slack[k];
-    interval = clipInterval(interval, from - wide, (from + reach.upper[i]) + wide, vert.rcp[k]);
+    interval = clipInterval(interval, from - wide, (from + bounds.upper[i]) + wide, vert.rcp[k]);
   }
   float wide = axes.error + slack[m];
-  interval = clipInterval(interval, (reach.sheared[0] - axes.org) - wide, (reach.sheared[1] - axes.org) + wide,
+  interval = clipInterval(interval, (bounds.sheared[0] - axes.org) - wide, (bounds.sheared[1] - axes.org) + wide,
     axes.rcp);
   return interval.from <= interval.to;
 }

@@ -122,7 +122,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   uint form = segment.begin.form;
-  float extent = max(extentOfReach(reachAtBegin(segment.begin)), extentOfReach(reachAtEnd(segment.end, form)));
+  float extent = max(extentOfBounds(boundsAtBegin(segment.begin)), extentOfBounds(boundsAtEnd(segment.end, form)));
   return cbvhVertAxes(form, cbvhBetween(cbvhOrigin(segment.begin), cbvhOrigin(segment.end), segment.fraction), extent,
                       ray, vert);
 }
@@ -143,8 +143,9 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
                              float tfar)
 {
-  BlockReach reach = reachBetween(reachAtBegin(segment.begin), reachAtEnd(segment.end, axes.boxForm), segment.fraction);
-  return cbvhIntersectsBounds(ray, vert, axes, reach, slack, tfar);
+  ShearedBounds bounds = interpolateBounds(boundsAtBegin(segment.begin), boundsAtEnd(segment.end, axes.boxForm),
+                                           segment.fraction);
+  return cbvhIntersectsBounds(ray, vert, axes, bounds, slack, tfar);
 }
 
 /* Tests the box of a group at the ray's time. Requires cbvhDecodeCorners. */

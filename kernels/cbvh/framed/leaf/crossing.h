@@ -147,10 +147,10 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
   event.enter = above0 ? sideAbove : sideBelow;
   event.leave = above1 ? sideAbove : sideBelow;
-  Real reach = Real(0.5f*leaf.thickness) + segment.epsilon[2];
-  event.nearEntry = magnitude(x.f.f0) <= reach;
+  Real tolerance = Real(0.5f*leaf.thickness) + segment.epsilon[2];
+  event.nearEntry = magnitude(x.f.f0) <= tolerance;
   event.near = event.changes
-    || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
+    || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= tolerance + Real(0.25f)*magnitude(x.f.saddle);
   x.event = event;
   return x;
 }

@@ -56,9 +56,10 @@ namespace embree
         if (ray.exitS(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
         x.event.enter = above0 ? sideAbove : sideBelow;
         x.event.leave = above1 ? sideAbove : sideBelow;
-        const float reach = surfaces.halfThickness[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
-        x.event.nearEntry = f0 <= reach;
-        x.event.near = x.event.changes || min(f0,f1) <= fused(0.25f,std::fabs(x.f.saddle),reach);
+        const float tolerance = surfaces.halfThickness[leaf] + ray.epsilonZ;
+        const float f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
+        x.event.nearEntry = f0 <= tolerance;
+        x.event.near = x.event.changes || min(f0,f1) <= fused(0.25f,std::fabs(x.f.saddle),tolerance);
         return x;
       }
     }

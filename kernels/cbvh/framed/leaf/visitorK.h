@@ -57,9 +57,9 @@ namespace embree
           changes = enterAbove ^ leaveAbove;
           enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.descends[2],enterAbove);
           leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.descends[2],leaveAbove);
-          const vfloat<K> reach = vfloat<K>(surfaces.halfThickness[leaf]) + rays.epsilonZ;
-          nearEntry = abs(f0) <= reach;
-          near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
+          const vfloat<K> tolerance = vfloat<K>(surfaces.halfThickness[leaf]) + rays.epsilonZ;
+          nearEntry = abs(f0) <= tolerance;
+          near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),tolerance));
         }
 
         /*! Position in a leaf's box at s: u for axis 0, v for axis 1. */
