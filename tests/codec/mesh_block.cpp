@@ -83,7 +83,7 @@ public:
 
   explicit PageDecoder(const uint8_t* block) : block(block)
   {
-    const uint32_t counts = word(48), form = word(52), spacings = word(12);
+    const uint32_t counts = word(48), info = word(52), spacings = word(12);
     const uint32_t vertices = (counts & 1023) + 1, groups = (counts >> 10 & 15) + 1, baseBits = counts >> 24 & 63;
     struct Group { uint32_t triangles, restarts, vertices, own, numberBits, lower[3], extent[3], bits[3]; };
     std::vector<Group> all(groups);
@@ -99,7 +99,7 @@ public:
         group.lower[k] = block[56 + 2*groups + k*groups + g];
         group.extent[k] = block[56 + 2*groups + (3 + k)*groups + g];
         const bool ranks = (spacings >> 8*k & 255) == 0;
-        shift[k] = (form >> 4*k & 15) + (ranks ? 9 : 0);
+        shift[k] = (info >> 4*k & 15) + (ranks ? 9 : 0);
         group.bits[k] = bits((uint64_t(group.extent[k] + 1) << shift[k]) - 1);
       }
     }
@@ -140,7 +140,7 @@ public:
       for (uint32_t v = 0; v < group.own; v++) {
         int64_t c[3];
         for (int k = 0; k < 3; k++) c[k] = read(group.bits[k]) + (int64_t(group.lower[k]) << shift[k]);
-        const int m = form >> 12 & 3, s1 = signed5(form >> 16), s2 = signed5(form >> 21);
+        const int m = info >> 12 & 3, s1 = signed5(info >> 16), s2 = signed5(info >> 21);
         const double sheared = std::floor((s1*double(c[(m + 1) % 3]) + s2*double(c[(m + 2) % 3]) + 8)/16);
         if (s1 != 0 || s2 != 0) c[m] -= int64_t(sheared);
         Point p;
@@ -206,10 +206,10 @@ private:
 
 long double shearedCoordinate(const MeshHeader* block, const float* p)
 {
-  const uint32_t m = meshShearedAxis(block->form);
+  const uint32_t m = meshShearedAxis(block->info);
   long double h = ((long double)p[m] - block->origin[m])/meshSpacing(block->spacings, m);
   for (uint32_t i = 1; i < 3; i++)
-    h += meshSlope(block->form, i)/16.0L*((long double)p[(m + i) % 3]
+    h += meshSlope(block->info, i)/16.0L*((long double)p[(m + i) % 3]
     - block->origin[(m + i) % 3])/meshSpacing(block->spacings, (m + i) % 3);
   return h*meshSpacing(block->spacings, m);
 }
@@ -254,7 +254,7 @@ void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& b
           ASSERT_EQ(std::memcmp(p, decoded->vertices[decoded->triangles[decoded->firstTriangle[g] + t][c]],
             sizeof(p)), 0) << "lane " << t;
           for (uint32_t k = 0; k < 3; k++) {
-            const long double x = view.isSheared() && k == meshShearedAxis(block->form) ? shearedCoordinate(block, p)
+            const long double x = view.isSheared() && k == meshShearedAxis(block->info) ? shearedCoordinate(block, p)
               : (long double)p[k];
             ASSERT_LE(lower[k], x) << "group " << g << ", axis " << k;
             ASSERT_GE(upper[k], x) << "group " << g << ", axis " << k;
@@ -536,7 +536,7 @@ TEST(MeshBlock, ConstantsAndFieldsMatchPage)
     {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},
     {"bytes", offsetof(MeshHeader, bytes)}, {"motion", offsetof(MeshHeader, motion)},
     {"groups", offsetof(MeshHeader, groups)}, {"counts", offsetof(MeshHeader, counts)},
-    {"form", offsetof(MeshHeader, form)}}, 0, meshHeaderBytes);
+    {"info", offsetof(MeshHeader, info)}}, 0, meshHeaderBytes);
 }
 
 } // namespace

@@ -80,7 +80,7 @@ TEST(MeshDamage, GridReadersRejectMeshBlocksByVersion)
   for (bool isMoving : {false, true})
     for (const Words& block : blocksOf(random, isMoving)) {
       const MeshHeader& header = *(const MeshHeader*)block.data();
-      EXPECT_EQ(versionOfBlock(header.counts, header.form), isMoving ? movingMeshFormatVersion : meshFormatVersion);
+      EXPECT_EQ(versionOfBlock(header.counts, header.info), isMoving ? movingMeshFormatVersion : meshFormatVersion);
       const Reason reason = validateVert(block.data(), 4*block.size());
       EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << reason.message();
       EXPECT_NE(reason.message().find(isMoving ? "version 7" : "version 6"), std::string::npos) << reason.message();
@@ -198,7 +198,7 @@ TEST(MeshDamage, RandomBytesAreRejectedOrDecoded)
     header.bytes = uint32_t(4*words.size());
     // one group
     header.counts = meshMarkOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24;
-    header.form = meshMarkOfForm() | (random.bits() & 0x0FFF);
+    header.info = meshMarkOfInfo() | (random.bits() & 0x0FFF);
     header.groups[0] = (header.counts >> 16 & 31) | (random.chance(0.7) ? 0 : 32);
     header.groups[1] = header.groups[2] = header.groups[3] = 0;
     const uint32_t vertices = meshVertices(header.counts), record = vertices | vertices << 5

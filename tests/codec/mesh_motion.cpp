@@ -39,8 +39,8 @@ public:
     const uint32_t groups = uint32_t(firstVertex.size()) - 1;
     for (uint32_t s = 1; s < numSteps; s++) {
       const size_t at = word(table + 4*(s - 1));
-      const uint32_t spacings = word(at + 12), form = word(at + 64);
-      const uint32_t baseBits[3] = {form >> 12 & 63, form >> 18 & 63, form >> 24 & 63};
+      const uint32_t spacings = word(at + 12), info = word(at + 64);
+      const uint32_t baseBits[3] = {info >> 12 & 63, info >> 18 & 63, info >> 24 & 63};
       std::vector<std::array<int64_t, 3>> bases(groups);
       position = 8*(at + 68 + 8*groups);
       for (auto& base : bases)
@@ -356,7 +356,7 @@ TEST(MeshMotion, ConstantsAndFieldsMatchPage)
     {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}});
   expectRows("mesh_motion.md", "A later step", {
     {"origin", offsetof(MeshStep, origin)}, {"spacings", offsetof(MeshStep, spacings)},
-    {"map", offsetof(MeshStep, map)}, {"form", offsetof(MeshStep, form)}}, 0, meshStepBytes);
+    {"map", offsetof(MeshStep, map)}, {"info", offsetof(MeshStep, info)}}, 0, meshStepBytes);
 }
 
 } // namespace

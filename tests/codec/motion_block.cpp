@@ -27,28 +27,28 @@ bool sameFloat(float a, float b)
 }
 
 // Form and margins of the boxes of the segment that begins at a step, or null if one of its ends is raw.
-const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& form)
+const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& info)
 {
   const VertStep* const end = stepOf(block, segment + 1);
-  if (isRaw(end->boxForm) || isRaw(segment ? stepOf(block, segment)->boxForm : block->boxForm)) return nullptr;
-  form = segment ? stepOf(block, segment)->boxForm : block->boxForm;
-  return segment ? (const uint8_t*)stepOf(block, segment) + vertStepLayout(block->region, form).margins
-                 : (const uint8_t*)block + vertLayout(block->region, form).margins;
+  if (isRaw(end->info) || isRaw(segment ? stepOf(block, segment)->info : block->info)) return nullptr;
+  info = segment ? stepOf(block, segment)->info : block->info;
+  return segment ? (const uint8_t*)stepOf(block, segment) + vertStepLayout(block->region, info).margins
+                 : (const uint8_t*)block + vertLayout(block->region, info).margins;
 }
 
 // Relative to the origin of a step; exact.
-double shearedCoordinate(uint32_t form, const float origin[3], const float* p)
+double shearedCoordinate(uint32_t info, const float origin[3], const float* p)
 {
-  const int m = shearedAxis(form), a = (m + 1) % 3, b = (m + 2) % 3;
-  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) +
-         shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
+  const int m = shearedAxis(info), a = (m + 1) % 3, b = (m + 2) % 3;
+  return double(p[m]) - origin[m] + shearSlope(info, 1)/16.0*(double(p[a]) - origin[a]) +
+         shearSlope(info, 2)/16.0*(double(p[b]) - origin[b]);
 }
 
 void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
 {
   const VertHeader* const block = encoded.block();
-  uint32_t form = 0;
-  const uint8_t* const margins = marginsOf(block, segment, form);
+  uint32_t info = 0;
+  const uint8_t* const margins = marginsOf(block, segment, info);
   if (!margins) return;
   for (uint32_t step : {segment, segment + 1}) {
     const auto decoded = std::make_unique<DecodedBlock>(block, step);
@@ -56,13 +56,13 @@ void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
     const uint32_t groupsX = groupsOf(decoded->quadsX), groups = groupsX*groupsOf(decoded->quadsY);
     for (uint32_t g = 0; g < groups; g++) {
       float lower[3], upper[3];
-      decoded->groupBox(g, form, margins, lower, upper);
+      decoded->groupBox(g, info, margins, lower, upper);
       const uint32_t x0 = 4*(g % groupsX), y0 = 4*(g/groupsX);
       for (uint32_t y = y0; y <= std::min(y0 + 4, decoded->quadsY); y++)
         for (uint32_t x = x0; x <= std::min(x0 + 4, decoded->quadsX); x++)
           for (int k = 0; k < 3; k++) {
             const float* const p = decoded->vertex(x, y);
-            const double c = k == shearedAxis(form) ? shearedCoordinate(form, origin, p) : p[k];
+            const double c = k == shearedAxis(info) ? shearedCoordinate(info, origin, p) : p[k];
             ASSERT_TRUE(lower[k] <= c && c <= upper[k])
               << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
           }

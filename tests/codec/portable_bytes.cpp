@@ -45,7 +45,7 @@ TEST(PortableBytes, PlainCodeMatchesVectorCode)
     const std::vector<uint8_t> bytes = vectors::encode(steps, width, height, exponent),
                                portable = encodePortably(steps, width, height, exponent);
     ASSERT_EQ(bytes, portable);
-    numRaw += !bytes.empty() && cvert::isRaw(((const cvert::VertHeader*)bytes.data())->boxForm);
+    numRaw += !bytes.empty() && cvert::isRaw(((const cvert::VertHeader*)bytes.data())->info);
     total++;
   }
   EXPECT_GT(numRaw, 10u);

@@ -84,9 +84,9 @@ struct Sheet
 // Relative to the block's origin; exact.
 float shearedCoordinate(const VertHeader* block, const float* p)
 {
-  const int m = shearedAxis(block->boxForm), a = (m + 1) % 3, b = (m + 2) % 3;
-  return float(double(p[m]) - block->origin[m] + shearSlope(block->boxForm, 1)/16.0*(double(p[a]) - block->origin[a])
-             + shearSlope(block->boxForm, 2)/16.0*(double(p[b]) - block->origin[b]));
+  const int m = shearedAxis(block->info), a = (m + 1) % 3, b = (m + 2) % 3;
+  return float(double(p[m]) - block->origin[m] + shearSlope(block->info, 1)/16.0*(double(p[a]) - block->origin[a])
+             + shearSlope(block->info, 2)/16.0*(double(p[b]) - block->origin[b]));
 }
 
 float spacingOf(const VertHeader* block, int axis) { return vertSpacing(block->word, block->corners).at[axis]; }
@@ -112,7 +112,7 @@ TEST(VertBlock, VerticesRoundTrip)
       for (int k = 0; k < 3; k++)
         ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k]))
           << "sheet " << i << ", vertex " << v << ", axis " << k;
-    ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
+    ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->info));
     (encoded.statistics.raw ? raw : packed)++;
     byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
     ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size);
@@ -135,7 +135,7 @@ TEST(VertBlock, FlatPartHasNoFields)
     }
   const Encoded encoded(*encoder, whole(16, 16));
   EXPECT_EQ(encoded.statistics.fieldBytes, 0u);
-  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->region, encoded.block()->boxForm).cell);
+  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->region, encoded.block()->info).cell);
 }
 
 TEST(VertBlock, BoxesContainTheirGroups)
@@ -150,15 +150,15 @@ TEST(VertBlock, BoxesContainTheirGroups)
     if (hole) encoder->vertices[0][i % 3] = i % 2 ? NAN : INFINITY;
     const VertPlacement place = i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY);
     const Encoded encoded(*encoder, place);
-    const VertLayout layout = vertLayout(place.region, place.form());
+    const VertLayout layout = vertLayout(place.region, place.info());
     const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, lower, upper);
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
       for (int k = 0; k < 3; k++) {
-        const bool isSheared = !encoded.statistics.raw && k == shearedAxis(encoded.block()->boxForm);
-        if (isSheared) sheared += shearSlope(encoded.block()->boxForm, 1) != 0;
+        const bool isSheared = !encoded.statistics.raw && k == shearedAxis(encoded.block()->info);
+        if (isSheared) sheared += shearSlope(encoded.block()->info, 1) != 0;
         float least = INFINITY, greatest = -INFINITY;
         for (uint32_t y = y0; y <= std::min(y0 + groupQuads, sheet.quadsY); y++)
           for (uint32_t x = x0; x <= std::min(x0 + groupQuads, sheet.quadsX); x++) {
@@ -175,7 +175,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
           continue;
         }
         const float spacing = spacingOf(encoded.block(), k),
-                    step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
+                    step = spacing*float(1u << marginShift(encoded.block()->info, k));
         planes += 2;
         // margins are whole coordinates; sheared ones are multiples of a sixteenth
         const float most = isSheared ? step + spacing : step;
@@ -200,8 +200,8 @@ TEST(VertBlock, BoundsContainTheBlock)
     blocks++;
     const VertHeader* block = encoded.block();
     const auto decoded = std::make_unique<DecodedBlock>(block);
-    const int m = shearedAxis(block->boxForm);
-    auto stepOn = [&](int k) { return float(boundsStep(block->boxForm))*spacingOf(block, k); };
+    const int m = shearedAxis(block->info);
+    auto stepOn = [&](int k) { return float(boundsStep(block->info))*spacingOf(block, k); };
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
@@ -284,7 +284,7 @@ TEST(VertBlock, AnyFloatsRoundTrip)
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
     const VertHeader* const block = encoded.block();
     ASSERT_EQ(validateVert(block, encoded.size).message(), "") << "sheet " << i;
-    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u)
+    ASSERT_LE(encoded.size, (vertLayout(block->region, block->info).rawBytes + 3) & ~3u)
       << "larger than a raw block";
     const auto decoded = std::make_unique<DecodedBlock>(block);
     for (size_t v = 0; v < given.size(); v++)
@@ -292,21 +292,21 @@ TEST(VertBlock, AnyFloatsRoundTrip)
         ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k]))
           << "sheet " << i << ", vertex " << v << ", axis " << k;
     raw += encoded.statistics.raw;
-    withRemainders += hasRemainders(block->boxForm);
+    withRemainders += hasRemainders(block->info);
     if (encoded.statistics.raw) continue;
     ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
-    sheared += shearSlope(block->boxForm, 1) != 0;
+    sheared += shearSlope(block->info, 1) != 0;
     // boxes and bounds of the stored vertices, in long double
-    const int m = shearedAxis(block->boxForm);
+    const int m = shearedAxis(block->info);
     auto coordinate = [&](const float* p, int k) {
       if (k != m) return (long double)p[k];
       long double h = (long double)p[m] - block->origin[m];
       for (int n : {1, 2})
-        h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
+        h += shearSlope(block->info, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
       return h;
     };
-    const VertLayout layout = vertLayout(block->region, block->boxForm);
-    const float extent = vertExtent(block->boxForm, block->bounds, boundsStep(block->boxForm),
+    const VertLayout layout = vertLayout(block->region, block->info);
+    const float extent = vertExtent(block->info, block->bounds, boundsStep(block->info),
                                     vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
@@ -321,7 +321,7 @@ TEST(VertBlock, AnyFloatsRoundTrip)
             ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
-            const long double step = (long double)spacingOf(block, k)*boundsStep(block->boxForm),
+            const long double step = (long double)spacingOf(block, k)*boundsStep(block->info),
                               from = k == m ? c : c - block->origin[k];
             const int of = k == m ? 3 : (k - m + 2) % 3;
             ASSERT_TRUE((k == m ? step*encodedBound(block->bounds, 2) : 0) <= from &&
@@ -382,7 +382,7 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
     encoder->vertices[8][0] = float(width);
     const Encoded encoded(*encoder, whole(8, 8));
     EXPECT_FALSE(encoded.statistics.raw);
-    EXPECT_TRUE(hasRemainders(encoded.block()->boxForm)) << width; // eighths: 17 bits
+    EXPECT_TRUE(hasRemainders(encoded.block()->info)) << width; // eighths: 17 bits
   }
 }
 

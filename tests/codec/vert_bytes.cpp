@@ -131,10 +131,10 @@ TEST(VertBytes, MatchPinnedChecksums)
     std::snprintf(row, sizeof(row), "  %s: 0x%016" PRIx64 "\n", sheet.name, found);
     table += row;
     const VertHeader* header = (const VertHeader*)room->bytes;
-    EXPECT_EQ(isRaw(header->boxForm), std::string(sheet.name).compare(0, 3, "raw") == 0);
-    raw += isRaw(header->boxForm);
-    byAxis += !isRaw(header->boxForm) && isByAxis(header->word);
-    sheared += !isRaw(header->boxForm) && shearSlope(header->boxForm, 1) != 0 && shearSlope(header->boxForm, 2) != 0;
+    EXPECT_EQ(isRaw(header->info), std::string(sheet.name).compare(0, 3, "raw") == 0);
+    raw += isRaw(header->info);
+    byAxis += !isRaw(header->info) && isByAxis(header->word);
+    sheared += !isRaw(header->info) && shearSlope(header->info, 1) != 0 && shearSlope(header->info, 2) != 0;
   }
   EXPECT_EQ(raw, 1u);
   EXPECT_GE(byAxis, 1u);

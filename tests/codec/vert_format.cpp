@@ -134,7 +134,7 @@ TEST(VertFormat, HeaderMatchesPage)
               {"region", offsetof(VertHeader, region)},
               {"patchQuads", offsetof(VertHeader, patchQuads)},
               {"corners", offsetof(VertHeader, corners)},
-              {"boxForm", offsetof(VertHeader, boxForm)},
+              {"info", offsetof(VertHeader, info)},
               {"word", offsetof(VertHeader, word)}},
              0, vertHeaderBytes);
   expectRows("block.md", "Edges", {{"edges", vertHeaderBytes}}, vertHeaderBytes,
@@ -156,17 +156,17 @@ TEST(VertFormat, FieldsMatchPages)
   expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) {
     return packEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low;
   });
-  const std::vector<Bits> form = bitsOf("block.md", "`boxForm`");
-  ASSERT_EQ(form.size(), 11u);
-  for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << form[size_t(k)].first, k), 5u);
-  EXPECT_EQ(shearedAxis(2u << form[3].first), 2);
-  for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << form[size_t(4 + i)].first, 1 + i), -7) << i;
-  EXPECT_TRUE(isRaw(3u << form[3].first) && !isRaw(~(1u << form[3].first)));
-  expectFlag(form[6], hasRemainders);
-  EXPECT_EQ(boundsStep(5u << form[7].first), 32u);
-  expectFlag(form[8], hasEdges);
-  expectFlag(form[9], hasNumbers);
-  expectFlag(form[10], isMoving);
+  const std::vector<Bits> info = bitsOf("block.md", "`info`");
+  ASSERT_EQ(info.size(), 11u);
+  for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << info[size_t(k)].first, k), 5u);
+  EXPECT_EQ(shearedAxis(2u << info[3].first), 2);
+  for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << info[size_t(4 + i)].first, 1 + i), -7) << i;
+  EXPECT_TRUE(isRaw(3u << info[3].first) && !isRaw(~(1u << info[3].first)));
+  expectFlag(info[6], hasRemainders);
+  EXPECT_EQ(boundsStep(5u << info[7].first), 32u);
+  expectFlag(info[8], hasEdges);
+  expectFlag(info[9], hasNumbers);
+  expectFlag(info[10], isMoving);
   const std::vector<Bits> word = bitsOf("block.md", "`word`");
   ASSERT_EQ(word.size(), 2u);
   const uint32_t none[6] = {};
@@ -218,7 +218,7 @@ TEST(VertFormat, MotionMatchesPage)
              0, vertMotionBytes);
   expectRows("motion.md", "A later step",
              {{"origin", offsetof(VertStep, origin)},
-              {"boxForm", offsetof(VertStep, boxForm)},
+              {"info", offsetof(VertStep, info)},
               {"word", offsetof(VertStep, word)},
               {"corners", offsetof(VertStep, corners)},
               {"rotation", offsetof(VertStep, rotation)},
@@ -226,13 +226,13 @@ TEST(VertFormat, MotionMatchesPage)
               {"bounds", offsetof(VertStep, bounds)},
               {"endBounds", offsetof(VertStep, endBounds)}},
              0, vertStepBytes);
-  const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
-  ASSERT_EQ(form.size(), 6u);
-  expectFlag(form[1], hasRemainders);
-  expectFlag(form[2], isFirstCellRotated);
-  expectFlag(form[3], hasUpperBits);
-  expectFlag(form[4], hasMargins);
-  EXPECT_EQ(beginBoundsStep(5u << form[5].first), 32u);
+  const std::vector<Bits> info = bitsOf("motion.md", "a step's `info`");
+  ASSERT_EQ(info.size(), 6u);
+  expectFlag(info[1], hasRemainders);
+  expectFlag(info[2], isFirstCellRotated);
+  expectFlag(info[3], hasUpperBits);
+  expectFlag(info[4], hasMargins);
+  EXPECT_EQ(beginBoundsStep(5u << info[5].first), 32u);
   const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");
   ASSERT_EQ(rotation.size(), 5u);
   EXPECT_EQ(rotation[0].count, 16u);
@@ -286,7 +286,7 @@ TEST(VertFormat, NumbersMatchPage)
   VertHeader& header = *(VertHeader*)block;
   header.primID = 1000;
   header.region = packRegion(3, 2, 0, 0);
-  header.boxForm = 1u << 30;
+  header.info = 1u << 30;
   header.patchQuads = numbersInTable;
   const VertNumbers table = {128, 11};
   std::memcpy(&header + 1, &table, sizeof(table));
@@ -386,7 +386,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
     alignas(16) uint8_t bytes[NumbersEncoder::maxBytes + 128] = {};
     VertHeader& header = *(VertHeader*)bytes;
     header.region = packRegion(4, 16, 16, 0);
-    header.boxForm = 1u << 30;
+    header.info = 1u << 30;
     header.patchQuads = encoder.form;
     std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));
     const size_t size = encoder.finish(&header, 75);

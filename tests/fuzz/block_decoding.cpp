@@ -15,10 +15,10 @@ void decode(const VertHeader* block, uint32_t step)
   const auto decoded = std::make_unique<DecodedBlock>(block, step);
   float lower[3], upper[3];
   decoded->bounds(lower, upper);
-  const VertLayout layout = vertLayout(block->region, block->boxForm);
+  const VertLayout layout = vertLayout(block->region, block->info);
   const StepView view = viewOfStep(block, layout, step);
-  REQUIRE(view.isLater == (step > 0) && (isRaw(view.form) || decoded->end <= (const uint8_t*)block + vertBytes(block)));
-  if (isRaw(view.form)) {
+  REQUIRE(view.isLater == (step > 0) && (isRaw(view.info) || decoded->end <= (const uint8_t*)block + vertBytes(block)));
+  if (isRaw(view.info)) {
     for (uint32_t v = 0; v < (decoded->quadsX + 1)*(decoded->quadsY + 1); v++)
       for (int k = 0; k < 3; k++) {
         const float x = rawVertex(view, v, k);
@@ -28,8 +28,8 @@ void decode(const VertHeader* block, uint32_t step)
       for (uint32_t g = 0; g < layout.groups; g++) decoded->groupBox(g, lower, upper);
     return;
   }
-  if (step > 0 && !hasMargins(view.form)) return;
-  for (uint32_t g = 0; g < layout.groups; g++) decoded->groupBox(g, view.form, view.data + view.margins, lower, upper);
+  if (step > 0 && !hasMargins(view.info)) return;
+  for (uint32_t g = 0; g < layout.groups; g++) decoded->groupBox(g, view.info, view.data + view.margins, lower, upper);
 }
 
 } // namespace
@@ -46,8 +46,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   if (validateVert(bytes.get(), size)) return 0;
   const VertHeader* const block = (const VertHeader*)bytes.get();
   REQUIRE(vertBytes(block) <= size);
-  for (uint32_t step = 0; step < (isMoving(block->boxForm) ? motionOf(block).numSteps : 1); step++) decode(block, step);
-  if (hasNumbers(block->boxForm))
+  for (uint32_t step = 0; step < (isMoving(block->info) ? motionOf(block).numSteps : 1); step++) decode(block, step);
+  if (hasNumbers(block->info))
     for (uint32_t y = 0; y < vertQuadsY(block->region); y++)
       for (uint32_t x = 0; x < vertQuadsX(block->region); x++) {
         primitiveOfQuad(block, x, y, false);

@@ -146,7 +146,7 @@ std::string withTree(std::string file)
 
 void decode(const VertHeader* block)
 {
-  const uint32_t numSteps = isMoving(block->boxForm) ? motionOf(block).numSteps : 1;
+  const uint32_t numSteps = isMoving(block->info) ? motionOf(block).numSteps : 1;
   for (uint32_t step = 0; step < numSteps; step++) std::make_unique<DecodedBlock>(block, step);
 }
 

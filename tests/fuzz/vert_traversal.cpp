@@ -40,16 +40,16 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  const bool hasOffsets = hasNumbers(header.boxForm)
+  const bool hasOffsets = hasNumbers(header.info)
     && (haveTrianglePairs(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
-  if (isMoving(header.boxForm) || hasRemainders(header.boxForm) || hasOffsets) { // validated before traversal
+  if (isMoving(header.info) || hasRemainders(header.info) || hasOffsets) { // validated before traversal
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }
-  const VertLayout layout = vertLayout(header.region, header.boxForm);
-  if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
+  const VertLayout layout = vertLayout(header.region, header.info);
+  if (size < layout.margins || (hasEdges(header.info) && hasNumbers(header.info))) return 0;
   size_t tableEnd = 0;
-  if (hasNumbers(header.boxForm)) {
+  if (hasNumbers(header.info)) {
     if (firstCornerOfTriangle(header.patchQuads, false) > 2 || firstCornerOfTriangle(header.patchQuads,
       true) > 2) return 0;
     const VertNumbers numbers = numbersOf((const VertHeader*)data);
@@ -59,7 +59,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
     }
   }
   if (tableEnd > size) return 0;
-  if (isRaw(header.boxForm)) return layout.rawBytes <= size ? std::max(size_t(layout.rawBytes), tableEnd) : 0;
+  if (isRaw(header.info)) return layout.rawBytes <= size ? std::max(size_t(layout.rawBytes), tableEnd) : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;
   for (uint32_t g = 0; g < layout.groups; g++) {
@@ -74,7 +74,7 @@ template<typename RayType>
 bool intersect(RayType& ray, IntersectContext* context, const VertHeader* block)
 {
   VertRay pre;
-  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block)
+  return isMoving(block->info) ? intersectMovingVert(ray, context, pre, block)
                                   : intersectVert(ray, context, pre, block);
 }
 
@@ -82,7 +82,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 {
   invalidateThreadCaches();
   // each triangle of a group once, including degenerate ones in blocks of the encoder
-  const HitLimits limits = {32*vertLayout(block->region, block->boxForm).groups,
+  const HitLimits limits = {32*vertLayout(block->region, block->info).groups,
                             0.5f*float(vertCornerU(edgesOf(block))), 0.5f*float(vertCornerV(edgesOf(block)))};
   traceAndCompare(scene, bytes, limits,
                   [&](auto& ray, IntersectContext* context) { return intersect(ray, context, block); });

@@ -25,7 +25,7 @@ void decode(const VertHeader* block)
   auto vertices = std::make_unique<CellVertices>();
   for (uint32_t lane = 0; lane < 16; lane++)
     if (boxes->lanes >> lane & 1) decoder.vertices(*boxes, lane, *vertices);
-  if (!isMoving(block->boxForm)) return;
+  if (!isMoving(block->info)) return;
   const MotionDecoder moving(block);
   auto shared = std::make_unique<SegmentBoxes>();
   auto group = std::make_unique<SegmentVertices>();

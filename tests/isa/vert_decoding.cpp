@@ -67,13 +67,13 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
     (statistics.raw ? raw : packed)++;
     const VertHeader* block = (const VertHeader*)bytes;
     byAxis += !statistics.raw && isByAxis(block->word);
-    withRemainders += hasRemainders(block->boxForm);
+    withRemainders += hasRemainders(block->info);
     const auto expected = std::make_unique<DecodedBlock>(block);
-    const VertLayout layout = vertLayout(place.region, place.form());
+    const VertLayout layout = vertLayout(place.region, place.info());
     const VertDecoder decoder(block);
     VertBoxes boxes;
     decoder.decode(boxes);
-    sheared += !statistics.raw && shearSlope(block->boxForm, 1) != 0;
+    sheared += !statistics.raw && shearSlope(block->info, 1) != 0;
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
       const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
@@ -100,11 +100,11 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
         }
     }
     ASSERT_EQ(boxes.lanes, lanes) << quadsX << " x " << quadsY;
-    ASSERT_EQ(boxes.axis, statistics.raw ? 3 : shearedAxis(block->boxForm));
+    ASSERT_EQ(boxes.axis, statistics.raw ? 3 : shearedAxis(block->info));
     for (int k = 0; k < 3; k++) {
       ASSERT_EQ(boxes.origin[k], block->origin[k]);
       const int i = (k - boxes.axis + 3) % 3; // the sheared axis, or the number of axes after it
-      ASSERT_EQ(boxes.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->boxForm, i)/16.0f);
+      ASSERT_EQ(boxes.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->info, i)/16.0f);
     }
   }
   EXPECT_GT(raw, 100u);

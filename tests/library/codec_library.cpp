@@ -288,10 +288,10 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
   }
   const auto removeVertices = [&](void* data) {
     const cvert::VertHeader* const header = (const cvert::VertHeader*)data;
-    const cvert::VertLayout layout = cvert::vertLayout(header->region, header->boxForm);
+    const cvert::VertLayout layout = cvert::vertLayout(header->region, header->info);
     for (unsigned step = 0; step < numSteps; step++) {
       const cvert::StepView view = cvert::viewOfStep(header, layout, step);
-      ASSERT_TRUE(cvert::isRaw(view.form));
+      ASSERT_TRUE(cvert::isRaw(view.info));
       const size_t offset = size_t(view.data - (const uint8_t*)data) + view.vertices;
       std::fill_n((float*)((uint8_t*)data + offset), 3*side*side, NAN);
     }

@@ -33,8 +33,8 @@ struct BlockCounts
       bool isRanked = false;
       for (uint32_t k = 0; k < 3; k++) isRanked |= cvert::hasRanks(block.spacings, k);
       ranked += isRanked;
-      sheared += cvert::meshSlope(block.form, 1) != 0 || cvert::meshSlope(block.form, 2) != 0;
-      ofQuads += (block.form & cvert::meshHasQuads) != 0;
+      sheared += cvert::meshSlope(block.info, 1) != 0 || cvert::meshSlope(block.info, 2) != 0;
+      ofQuads += (block.info & cvert::meshHasQuads) != 0;
     }
     rtcReleaseFlatScene(flat);
   }

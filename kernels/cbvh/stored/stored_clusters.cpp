@@ -29,8 +29,8 @@ namespace embree
           this->part = &part;
           reasonForFloats = block.isMesh() ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::RANGE
               : !block.isVert() ? ClusterReason::RAW
-              : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
-              : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
+              : isMoving(block.vert()->info) ? ClusterReason::MOVING
+              : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::RAW
               : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {

@@ -61,7 +61,7 @@ namespace embree
             patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
             first[0] = vertFirstX(block->region); first[1] = vertFirstY(block->region);
             quads[0] = vertQuadsX(block->region); quads[1] = vertQuadsY(block->region);
-            hasEdgeRates = hasEdges(block->boxForm);
+            hasEdgeRates = hasEdges(block->info);
             edges = edgesOf(block);
             corner[0] = 0.5f*float(vertCornerU(edges)); corner[1] = 0.5f*float(vertCornerV(edges));
             return;
@@ -192,10 +192,10 @@ namespace embree
         {
           tolerance = roundingBound(u) + roundingBound(v);
           forEachTriangle(block,time,[&](uint32_t number, const float (&corners)[3][3]) {
-              if (primitiveOfMesh(block->form,number) != primID) return;
+              if (primitiveOfMesh(block->info,number) != primID) return;
               const float* const p[3] = { corners[0],corners[1],corners[2] };
               const float first[2][3] = { { 0,1,0 },{ 0,0,1 } }, second[2][3] = { { 1,0,1 },{ 1,1,0 } };
-              const float (&parameters)[2][3] = isSecondOfQuad(block->form,number) ? second : first;
+              const float (&parameters)[2][3] = isSecondOfQuad(block->info,number) ? second : first;
               addCandidate(p,parameters[0],parameters[1]);
             });
         }
@@ -308,7 +308,7 @@ namespace embree
           const MeshView view(block);
           for (uint32_t g=0; g<view.groups; g++)
             for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++)
-              add(primitiveOfMesh(block->form,view.number(g,t)),uint32_t(i));
+              add(primitiveOfMesh(block->info,view.number(g,t)),uint32_t(i));
         }
         if (!blocks[i].areQuadsPrimitives()) continue;
         forEachQuad(blocks[i].vert(),[&](uint32_t x, uint32_t y) {
@@ -363,19 +363,19 @@ namespace embree
           memcpy(triangles.back().corners,corners,sizeof(corners));
         });
       std::sort(triangles.begin(),triangles.end());
-      const uint32_t form = block.mesh()->form;
+      const uint32_t info = block.mesh()->info;
       for (size_t i=0; i<triangles.size(); i++)
       {
         const float (&p)[3][3] = triangles[i].corners;
-        const uint32_t primID = primitiveOfMesh(form,triangles[i].number), primIDs[2] = { primID,primID };
+        const uint32_t primID = primitiveOfMesh(info,triangles[i].number), primIDs[2] = { primID,primID };
         float vertices[4][3]; // 00, 10, 01, 11 of a quad
         auto set = [&](const float* v0, const float* v1, const float* v3, const float* v2) {
           const float* const from[4] = { v0,v1,v3,v2 };
           for (int c=0; c<4; c++) memcpy(vertices[c],from[c],sizeof(vertices[c]));
         };
-        const bool isSecond = isSecondOfQuad(form,triangles[i].number);
+        const bool isSecond = isSecondOfQuad(info,triangles[i].number);
         if (isSecond) set(p[2],p[2],p[1],p[0]);
-        else if (i+1 < triangles.size() && isSecondOfQuad(form,triangles[i+1].number)
+        else if (i+1 < triangles.size() && isSecondOfQuad(info,triangles[i+1].number)
                  && triangles[i+1].number == triangles[i].number+1) {
           set(p[0],p[1],p[2],triangles[i+1].corners[0]);
           i++;
@@ -386,7 +386,7 @@ namespace embree
         part.width = part.height = 2;
         part.vertices = vertices[0];
         part.primIDs = primIDs;
-        part.primitivesPerQuad = (form & meshHasQuads) ? 1 : 2;
+        part.primitivesPerQuad = (info & meshHasQuads) ? 1 : 2;
         if (!closure(block,part)) return false;
       }
       return true;

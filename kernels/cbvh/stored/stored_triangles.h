@@ -46,7 +46,7 @@ namespace embree
 
       /*! True if each quad, or each of its two triangles, is a primitive: the block belongs to a quad or triangle
        *  mesh. */
-      bool areQuadsPrimitives () const { return isVert() && hasNumbers(vert()->boxForm); }
+      bool areQuadsPrimitives () const { return isVert() && hasNumbers(vert()->info); }
     };
 
     /*! Finds the blocks that contain a primitive. Immutable, so threads may share it. */

@@ -33,7 +33,7 @@ namespace embree
       VerticesAtTime (const VertHeader* block, const TraversalTime& at) : width(vertQuadsX(block->region)+1)
       {
         const size_t bytes = sizeof(vertices[0])*width*(vertQuadsY(block->region)+1);
-        if (!isMoving(block->boxForm)) {
+        if (!isMoving(block->info)) {
           memcpy(vertices,DecodedBlock(block).vertices,bytes);
           return;
         }
@@ -49,7 +49,7 @@ namespace embree
 
       /*! Also true if the block does not move. */
       static bool isPresent (const VertHeader* block, const TraversalTime& at) {
-        return !isMoving(block->boxForm) || cbvh::isPresent(motionOf(block),at.time);
+        return !isMoving(block->info) || cbvh::isPresent(motionOf(block),at.time);
       }
     };
 

@@ -119,7 +119,7 @@ namespace embree
           context->geomID = geomID;
           if (isMesh) return callTriangles(geometry,(const MeshHeader*)block);
           if (!embree::cbvh::VerticesAtTime::isPresent(header,time())) return false;
-          if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
+          if (hasNumbers(header->info)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
         }
@@ -162,7 +162,7 @@ namespace embree
               float corners[3][3];
               for (int c=0; c<3; c++)
                 for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
-              changed |= callForPrimitive(geometry,primitiveOfMesh(block->form,group.numbers[t]),
+              changed |= callForPrimitive(geometry,primitiveOfMesh(block->info,group.numbers[t]),
                 { corners[0],corners[1],corners[2] });
             }
           }
@@ -175,7 +175,7 @@ namespace embree
           BBox3fa bounds;
           view.groupBox(g,&bounds.lower.x,&bounds.upper.x);
           if (view.isSheared()) {
-            const uint32_t m = meshShearedAxis(view.block->form);
+            const uint32_t m = meshShearedAxis(view.block->info);
             bounds.lower[m] = neg_inf;
             bounds.upper[m] = pos_inf;
           }

@@ -32,22 +32,22 @@ namespace embree
         return spacing;
       }
 
-      /*! Sets axis and shear. form: VertHeader::boxForm. isSheared: false for raw blocks. */
-      __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
+      /*! Sets axis and shear. info: VertHeader::info. isSheared: false for raw blocks. */
+      __forceinline void setShear (uint32_t info, bool isSheared, VertAxes& axes)
       {
-        axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
+        axes.axis = likely(isSheared) ? shearedAxis(info) : 3;
         for (int k=0; k<3; k++) axes.shear[k] = 0.0f;
         if (likely(isSheared))
-          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
+          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(info,i);
       }
 
       /*! Sets `axes`. For a raw block, the caller must set the extent from the planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
-        const bool raw = isRaw(block->boxForm);
+        const bool raw = isRaw(block->info);
         const float extent = unlikely(raw) ? 0.0f
-          : vertExtent(block->boxForm,block->bounds,boundsStep(block->boxForm),spacingOf(block->word,block->corners));
-        setShear(block->boxForm,!raw,axes);
+          : vertExtent(block->info,block->bounds,boundsStep(block->info),spacingOf(block->word,block->corners));
+        setShear(block->info,!raw,axes);
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];
           axes.extent[k] = extent;
@@ -58,20 +58,20 @@ namespace embree
       class PlanesDecoder
       {
       public:
-        /*! form: as VertHeader::boxForm. margins: for each axis one byte per group. */
-        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& layout,
+        /*! info: as VertHeader::info. margins: for each axis one byte per group. */
+        __forceinline PlanesDecoder (uint32_t info, const uint8_t* margins, const VertLayout& layout,
                                      const VertSpacing& spacing, const float* origin)
-          : form(form), margins(margins), layout(layout), spacing(spacing), origin(origin) {}
+          : info(info), margins(margins), layout(layout), spacing(spacing), origin(origin) {}
 
         /*! corners: vertices of the first cell, in lattice coordinates. */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
-          const int m = shearedAxis(form);
+          const int m = shearedAxis(info);
           for (int k=0; k<3; k++)
             if (k != m) decode(k,corners.at[k],origin[k],planes[k]);
 
           const int m1 = axisAfter(m,1), m2 = axisAfter(m,2);
-          const vfloatV s1(shearFactor(form,1,spacing)), s2(shearFactor(form,2,spacing));
+          const vfloatV s1(shearFactor(info,1,spacing)), s2(shearFactor(info,2,spacing));
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
             const int n = vectorWidth*c;
@@ -88,7 +88,7 @@ namespace embree
         {
           alignas(16) uint8_t expanded[24]; // vectors of four load 8 bytes, the last from byte 12 on
           const uint8_t* axisMargins = expandRows(margins + k*layout.groups,expanded);
-          const vfloatV spacing(this->spacing.at[k]), origin(offset), step(float(1u << marginShift(form,k)));
+          const vfloatV spacing(this->spacing.at[k]), origin(offset), step(float(1u << marginShift(info,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
@@ -120,7 +120,7 @@ namespace embree
 #endif
         }
 
-        const uint32_t form;
+        const uint32_t info;
         const uint8_t* margins;
         const VertLayout& layout;
         const VertSpacing& spacing;

@@ -91,14 +91,14 @@ namespace embree
         return interval.from <= interval.to;
       }
 
-      /*! As above, with the bounds in the header of a block that does not move. Requires !isRaw(block->boxForm). */
+      /*! As above, with the bounds in the header of a block that does not move. Requires !isRaw(block->info). */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
       {
         BlockBounds bounds;
-        setShear(block->boxForm,true,bounds);
-        static_cast<ShearedBounds&>(bounds) = decodeBounds(block->boxForm,block->bounds,boundsStep(block->boxForm),
+        setShear(block->info,true,bounds);
+        static_cast<ShearedBounds&>(bounds) = decodeBounds(block->info,block->bounds,boundsStep(block->info),
                                                         spacingOf(block->word,block->corners));
         const float extent = extentOfBounds(bounds);
         for (int k=0; k<3; k++) {
@@ -119,7 +119,7 @@ namespace embree
           uint32_t bounds, boundsUnit; //!< bounds, and their unit (boundsStep)
         };
         End ends[2];
-        uint32_t form;
+        uint32_t info;
 
       public:
         bool raw; //!< an end is raw; the segment has no bounds
@@ -128,16 +128,16 @@ namespace embree
         {
           const VertStep* const end = stepOf(block,segment+1);
           if (likely(segment == 0)) {
-            form = block->boxForm;
-            set(ends[0],block->origin,spacingOf(block->word,block->corners),boundsStep(form),block->bounds);
+            info = block->info;
+            set(ends[0],block->origin,spacingOf(block->word,block->corners),boundsStep(info),block->bounds);
           }
           else {
             const VertStep* const begin = stepOf(block,segment);
-            form = begin->boxForm;
-            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginBoundsStep(form),begin->bounds);
+            info = begin->info;
+            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginBoundsStep(info),begin->bounds);
           }
           set(ends[1],end->origin,spacingOf(end->word,end->corners),endBoundsStep(end->rotation),end->endBounds);
-          raw = isRaw(form) || isRaw(end->boxForm);
+          raw = isRaw(info) || isRaw(end->info);
         }
 
         /*! Upper bound of the vertices' distance from the origin at all times. Requires !raw. */
@@ -149,7 +149,7 @@ namespace embree
         /*! Sets the bounds at fraction f of the segment, 0 to 1. Requires !raw. */
         __forceinline void set (float f, BlockBounds& out) const
         {
-          setShear(form,true,out);
+          setShear(info,true,out);
           const ShearedBounds begin = boundsOf(ends[0]), end = boundsOf(ends[1]);
           static_cast<ShearedBounds&>(out) = interpolateBounds(begin,end,f);
           const float e = 1.0f-f, extent = max(extentOfBounds(begin),extentOfBounds(end));
@@ -174,7 +174,7 @@ namespace embree
         }
 
         __forceinline ShearedBounds boundsOf (const End& end) const {
-          return decodeBounds(form,end.bounds,end.boundsUnit,end.spacing);
+          return decodeBounds(info,end.bounds,end.boundsUnit,end.spacing);
         }
       };
     }

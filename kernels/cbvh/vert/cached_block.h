@@ -31,7 +31,7 @@ namespace embree
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
          *  isValid(). */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
-          return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
+          return unlikely(isRaw(block->info)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
         /*! Returns false if the block is damaged. Then not even its header may be read. */

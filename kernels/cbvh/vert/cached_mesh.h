@@ -21,13 +21,13 @@ namespace embree
                     && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
                     "surface and primID must have the same offsets in both headers");
 
-      /*! Primitive of a triangle, and (u,v) of a point in it. form: MeshHeader::form. number: see meshHasQuads. w1, w2:
+      /*! Primitive of a triangle, and (u,v) of a point in it. info: MeshHeader::info. number: see meshHasQuads. w1, w2:
        *  barycentric weights of the triangle's second and third corner. */
-      __forceinline SurfacePoint pointOfMesh (uint32_t form, uint32_t number, float w1, float w2)
+      __forceinline SurfacePoint pointOfMesh (uint32_t info, uint32_t number, float w1, float w2)
       {
-        const bool isSecond = isSecondOfQuad(form,number);
+        const bool isSecond = isSecondOfQuad(info,number);
         SurfacePoint point;
-        point.primID = primitiveOfMesh(form,number);
+        point.primID = primitiveOfMesh(info,number);
         point.u = isSecond ? 1.0f-w1 : w1;
         point.v = isSecond ? 1.0f-w2 : w2;
         return point;
@@ -66,7 +66,7 @@ namespace embree
 
         /*! Primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
+          return pointOfMesh(block->info,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
 
       private:

@@ -65,7 +65,7 @@ namespace embree
       {
       public:
         __forceinline VertDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
+          : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
         /*! Decodes the data that groups share. Does not set out.block. */
@@ -73,14 +73,14 @@ namespace embree
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
           setAxes(block,out);
-          if (unlikely(isRaw(block->boxForm))) {
+          if (unlikely(isRaw(block->info))) {
             for (int k=0; k<3; k++) copyPlanes(k,out);
             return;
           }
           CellVertices corners;
           decodeCorners(corners);
           pack(corners,out.corners);
-          PlanesDecoder(block->boxForm,(const uint8_t*)block + layout.margins,layout,spacing,
+          PlanesDecoder(block->info,(const uint8_t*)block + layout.margins,layout,spacing,
             block->origin).decode(corners,out.planes);
           decodeGroupWords(bytes(layout.words),bytes(layout.wordsHigh),layout.cell + cellBytes(block->word),layout,
             out.words,out.fields);
@@ -90,7 +90,7 @@ namespace embree
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
-          if (unlikely(isRaw(block->boxForm))) {
+          if (unlikely(isRaw(block->info))) {
             copyVertices(bytes(layout.vertices),block->region,gx,gy,out);
             return;
           }
@@ -98,7 +98,7 @@ namespace embree
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
           decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,CellWorldOutput{ out,spacing,block->origin });
-          if (unlikely(hasRemainders(block->boxForm)))
+          if (unlikely(hasRemainders(block->info)))
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 

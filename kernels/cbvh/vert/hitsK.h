@@ -53,7 +53,7 @@ namespace embree
           const uint32_t singles = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
           // (u,v) at edges of a lower rate are computed per ray
           if (popcnt(singles) > 1
-              && (likely(!hasEdges(block->boxForm)) || !hasStitchedEdge(block->patchQuads,edgesOf(block))))
+              && (likely(!hasEdges(block->info)) || !hasStitchedEdge(block->patchQuads,edgesOf(block))))
             mask &= ~reportTogether(singles,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
@@ -191,7 +191,7 @@ namespace embree
           // odd bits of the mask: second triangles of quads
           const QuadPosition<vfloat<K>> at =
             positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
-          if (hasNumbers(block->boxForm)) {
+          if (hasNumbers(block->info)) {
             accepted |= reportNumbered(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
             return done;
           }

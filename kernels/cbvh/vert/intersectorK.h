@@ -41,7 +41,7 @@ namespace embree
           vint<K> rayClass = vertRays.rayClass;
           if (unlikely(cached.decodedBoxes() == nullptr)) {
             if (!cached.isValid()) return vbool<K>(false);
-            if (likely(!isRaw(block->boxForm))) valid &=
+            if (likely(!isRaw(block->info))) valid &=
               intersectsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }

@@ -251,7 +251,7 @@ namespace embree
         }
 
         /*! True if a slope of the shear is not 0. */
-        __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
+        __forceinline bool isSheared () const { return (block->info & 0x03FF0000u) != 0; }
 
         /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
          *  on the others. If a ratio exceeds 2^maxRatio, no axis is sheared, and boxes are unbounded on that axis. */
@@ -260,13 +260,13 @@ namespace embree
           out.axis = 3;
           for (int k=0; k<3; k++) { out.origin[k] = block->origin[k]; out.shear[k] = 0.0f; }
           if (likely(!isSheared())) return;
-          const int m = int(meshShearedAxis(block->form));
+          const int m = int(meshShearedAxis(block->info));
           for (int i=1; i<3; i++)
             if (exponentRatio(m,i) < -maxRatio || exponentRatio(m,i) > maxRatio) return;
           out.axis = m;
           out.shear[m] = 1.0f;
           for (int i=1; i<3; i++)
-            out.shear[axisAfter(m,i)] = float(meshSlope(block->form,uint32_t(i)))*(1.0f/16.0f)
+            out.shear[axisAfter(m,i)] = float(meshSlope(block->info,uint32_t(i)))*(1.0f/16.0f)
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
@@ -286,13 +286,13 @@ namespace embree
           float maxCoordinate[3];
           for (int k=0; k<3; k++)
           {
-            const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
+            const uint32_t shift = meshBoxShift(block->spacings,block->info,uint32_t(k));
             if (unlikely(hasRanks(block->spacings,uint32_t(k)))) {
               decodeRankedBoxes(k,bytes,groups,shift,out);
               maxCoordinate[k] = 0.0f;
               continue;
             }
-            const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->form);
+            const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->info);
             const vfloatV spacing(meshSpacing(block->spacings,uint32_t(k))), origin(sheared ? 0.0f : block->origin[k]),
               rounding(sheared ? 0.5f : 0.0f);
             for (int n=0; n<16; n+=vectorWidth)
@@ -308,9 +308,9 @@ namespace embree
             out.extent[k] = maxCoordinate[k]*meshSpacing(block->spacings,uint32_t(k));
           }
           if (likely(!isSheared())) return;
-          const int m = int(meshShearedAxis(block->form));
+          const int m = int(meshShearedAxis(block->info));
           for (int i=1; i<3; i++)
-            maxCoordinate[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)
+            maxCoordinate[m] += std::fabs(float(meshSlope(block->info,uint32_t(i))))*(1.0f/16.0f)
               *maxCoordinate[axisAfter(m,i)];
           out.extent[m] = (maxCoordinate[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
           if (unlikely(out.axis == 3))
@@ -389,7 +389,7 @@ namespace embree
           __m128i bits[3], bitsPerVertex = none;
           for (uint32_t k=0; k<3; k++) {
             const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
-            bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
+            bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->info,k))));
             bitsPerVertex = _mm_add_epi8(bitsPerVertex,bits[k]);
           }
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)out.fieldBits[k],bits[k]);
@@ -646,8 +646,8 @@ namespace embree
         /*! Subtracts the shear (meshShear) from coordinates on the sheared axis. */
         __forceinline void unshear (uint32_t vertexCount, uint32_t (*coordinates)[32]) const
         {
-          const int m = int(meshShearedAxis(block->form));
-          const vintV s1(meshSlope(block->form,1)), s2(meshSlope(block->form,2));
+          const int m = int(meshShearedAxis(block->info));
+          const vintV s1(meshSlope(block->info,1)), s2(meshSlope(block->info,2));
           int* const c = (int*)coordinates[m], * const c1 = (int*)coordinates[axisAfter(m,1)],
             * const c2 = (int*)coordinates[axisAfter(m,2)];
           for (uint32_t n=0; n<vertexCount; n+=vectorWidth)

@@ -63,7 +63,7 @@ namespace embree
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
-          const uint32_t shift = step ? stepBoxShift(*step,k) : meshBoxShift(spacings,block->form,k);
+          const uint32_t shift = step ? stepBoxShift(*step,k) : meshBoxShift(spacings,block->info,k);
           const bool isSheared = !step && isShearedAxis(k);
           for (uint32_t l=0; l<16; l++)
           {
@@ -88,7 +88,7 @@ namespace embree
 
         /*! True if coordinates at the first step are sheared on axis k. */
         bool isShearedAxis (uint32_t k) const {
-          return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0 && k == meshShearedAxis(block->form);
+          return (meshSlope(block->info,1) | meshSlope(block->info,2)) != 0 && k == meshShearedAxis(block->info);
         }
 
         /*! Converts bounds of sheared coordinates on axis m to bounds of coordinates. values: lower bound, upper bound
@@ -98,8 +98,8 @@ namespace embree
           int minShear = 8, maxShear = 8; // sums of the shear, in 1/16; 8 rounds to nearest
           for (uint32_t i=1; i<3; i++)
           {
-            const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
-            const int slope = meshSlope(block->form,i), lower = int(plane(nullptr,k,g) << shift),
+            const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->info,k);
+            const int slope = meshSlope(block->info,i), lower = int(plane(nullptr,k,g) << shift),
               upper = lower + int((plane(nullptr,3+k,g)+1) << shift) - 1;
             minShear += slope*(slope < 0 ? upper : lower);
             maxShear += slope*(slope < 0 ? lower : upper);
@@ -111,7 +111,7 @@ namespace embree
         /*! Byte of a step's box of group g; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for extents. */
         uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
         {
-          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->form).boxes
+          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->info).boxes
             : (const uint8_t*)block + meshLayout(block->counts).boxes;
           return boxes[i*groups+g];
         }
@@ -119,7 +119,7 @@ namespace embree
         /*! Decodes where the groups' fields begin, and their bases, at a step after the first. */
         void decodeFields (const MeshStep& step, MeshStepFields& out) const
         {
-          const MeshStepLayout layout = meshStepLayout(groups,step.form);
+          const MeshStepLayout layout = meshStepLayout(groups,step.info);
           const uint8_t* const bases = (const uint8_t*)&step + layout.bases;
           out.data = (const uint8_t*)&step + layout.fields;
           uint32_t begin = 0, at = 0;
@@ -130,7 +130,7 @@ namespace embree
             uint32_t bitsOfVertex = 0;
             for (uint32_t k=0; k<3; k++)
             {
-              const uint32_t bits = stepFieldBits(record,k), baseBits = stepBaseBits(step.form,k);
+              const uint32_t bits = stepFieldBits(record,k), baseBits = stepBaseBits(step.info,k);
               out.bits[k][g] = uint8_t(bits);
               bitsOfVertex += bits;
               const uint32_t base = meshBitsAt(bases,at,baseBits);

@@ -91,7 +91,7 @@ namespace embree
         cbvh::WorldBounds bounds;
         for (uint32_t i=0; i<count; i++)
           for (const float (&p)[3] : blockTriangles[i].corners) bounds.extend(p[0],p[1],p[2]);
-        if (source.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
+        if (source.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->info |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),block,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);

@@ -59,7 +59,7 @@ namespace embree
       {
       public:
         __forceinline explicit MotionDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
+          : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
         /*! Decodes the data of a segment that groups share. Requires out.key. */
@@ -69,14 +69,14 @@ namespace embree
           const StepView steps[2] = { viewOfStep(block,layout,segment),viewOfStep(block,layout,segment+1) };
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) out.origins[e][k] = steps[e].origin[k];
-          const bool isSheared = !cvert::isRaw(steps[0].form) && !cvert::isRaw(steps[1].form);
+          const bool isSheared = !cvert::isRaw(steps[0].info) && !cvert::isRaw(steps[1].info);
           const float extent = likely(isSheared) ? SegmentBounds(block,segment).extent() : 0.0f;
           for (int k=0; k<3; k++) out.extent[k] = extent;
-          setShear(steps[0].form,isSheared,out);
+          setShear(steps[0].info,isSheared,out);
           for (int e=0; e<2; e++)
           {
             const StepView& step = steps[e];
-            if (unlikely(cvert::isRaw(step.form))) continue;
+            if (unlikely(cvert::isRaw(step.info))) continue;
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
@@ -85,7 +85,7 @@ namespace embree
                              out.steps[e].fields);
             if (unlikely(!isSheared)) continue;
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
-            const PlanesDecoder planes(steps[0].form,steps[0].data+steps[0].margins,layout,spacing,step.origin);
+            const PlanesDecoder planes(steps[0].info,steps[0].data+steps[0].margins,layout,spacing,step.origin);
             planes.decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
@@ -94,7 +94,7 @@ namespace embree
 
         /*! True if the block is raw at a time step. */
         bool isRaw (uint32_t step) const {
-          return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
+          return cbvh::isRaw(step == 0 ? block->info : stepOf(block,step)->info);
         }
 
         /*! Decodes the vertices of the group in a lane at both ends, in world space. boxes: output of decode(). */
@@ -106,7 +106,7 @@ namespace embree
           {
             const StepView step = viewOfStep(block,layout,boxes.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
-            if (unlikely(cvert::isRaw(step.form))) {
+            if (unlikely(cvert::isRaw(step.info))) {
               copyVertices(step.data+step.vertices,block->region,gx,gy,out.ends[e]);
               continue;
             }

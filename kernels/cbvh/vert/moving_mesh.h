@@ -69,7 +69,7 @@ namespace embree
 
         /*! See CachedMeshBlock::point. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->form,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
+          return pointOfMesh(block->info,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
         }
 
       private:

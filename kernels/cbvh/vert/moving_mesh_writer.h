@@ -73,7 +73,7 @@ namespace embree
           box = emptyBox();
         }
         cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
-        if (source.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
+        if (source.mesh.areHalvesOfQuads()) header->info |= cbvh::meshHasQuads;
         memcpy(store.reserve(bytes),header,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);

@@ -198,7 +198,7 @@ namespace embree
       /*! Adds a block to the statistics. bytes: size without padding. */
       void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
       {
-        const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
+        const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->info);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
         const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
         const size_t quads = size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));

@@ -23,9 +23,9 @@ namespace cvert { inline namespace CVERT_ISA
     /*! step: below the number of steps; 0 unless the block moves */
     explicit DecodedBlock(const VertHeader* block, uint32_t step = 0)
       : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block),
-        layout(vertLayout(block->region,block->boxForm)), view(viewOfStep(block,layout,step))
+        layout(vertLayout(block->region,block->info)), view(viewOfStep(block,layout,step))
     {
-      if (isRaw(view.form)) std::memcpy(vertices,view.data+view.vertices,sizeof(vertices[0])*(quadsX+1)*(quadsY+1));
+      if (isRaw(view.info)) std::memcpy(vertices,view.data+view.vertices,sizeof(vertices[0])*(quadsX+1)*(quadsY+1));
       else decode();
     }
 
@@ -47,17 +47,16 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! Box of group g, see BoxPlanes. form, margins: boxForm and margins of the segment that begins or ends with this
-     *  step. */
+    /*! Box of group g, see BoxPlanes. info, margins: of the segment that begins or ends with this step. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
-      groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
+      groupBox(g,block->info,(const uint8_t*)block + layout.margins,lower,upper);
     }
-    void groupBox(uint32_t g, uint32_t form, const uint8_t* margins, float lower[3], float upper[3]) const
+    void groupBox(uint32_t g, uint32_t info, const uint8_t* margins, float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++)
       {
-        const BoxPlanes planes = isRaw(view.form) ? rawPlanesOfGroup(block,layout,g,k)
-          : planesOfGroup(view,form,corners[cornerOfGroup(g,0)],corners[cornerOfGroup(g,1)],
+        const BoxPlanes planes = isRaw(view.info) ? rawPlanesOfGroup(block,layout,g,k)
+          : planesOfGroup(view,info,corners[cornerOfGroup(g,0)],corners[cornerOfGroup(g,1)],
                           corners[cornerOfGroup(g,2)],corners[cornerOfGroup(g,3)],
                           margins[uint32_t(k)*layout.groups+g],k);
         lower[k] = planes.lower;

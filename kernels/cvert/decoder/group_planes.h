@@ -15,16 +15,16 @@ CVERT_BEGIN
  *  relative to the block's origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. form: boxForm of
- *  the segment that begins or ends with the step. margins: the group's byte for the axis. */
-CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
+/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. info: of the
+ *  segment that begins or ends with the step. margins: the group's byte for the axis. */
+CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t info, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {
-  int m = shearedAxis(form);
+  int m = shearedAxis(info);
   float a = float(c00[axis]), b = float(c10[axis]), c = float(c01[axis]), d = float(c11[axis]);
   if (axis == m) {
     int k = axisAfter(m,1), l = axisAfter(m,2);
-    float s = shearFactor(form,1,step.spacing), t = shearFactor(form,2,step.spacing);
+    float s = shearFactor(info,1,step.spacing), t = shearFactor(info,2,step.spacing);
     a = a + s*float(c00[k]) + t*float(c00[l]);
     b = b + s*float(c10[k]) + t*float(c10[l]);
     c = c + s*float(c01[k]) + t*float(c01[l]);
@@ -32,7 +32,7 @@ CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, 
   }
   float least = CVERT_AS_FLOAT(lesser)(CVERT_AS_FLOAT(lesser)(a,b),CVERT_AS_FLOAT(lesser)(c,d));
   float greatest = CVERT_AS_FLOAT(greater)(CVERT_AS_FLOAT(greater)(a,b),CVERT_AS_FLOAT(greater)(c,d));
-  uint32_t shift = marginShift(form,axis);
+  uint32_t shift = marginShift(info,axis);
   float origin = axis == m ? 0.0f : step.origin[axis], spacing = step.spacing.at[axis];
   BoxPlanes planes;
   planes.lower = origin + (least - float(lowerMargin(margins,shift)))*spacing;

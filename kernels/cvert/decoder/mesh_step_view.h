@@ -24,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
     MeshStepView (const MeshView& first, uint32_t step) : MeshStepView(first,meshStepOf(first.block,step)) {}
 
     MeshStepView (const MeshView& first, const MeshStep* step)
-      : first(first), step(step), layout(meshStepLayout(first.groups,step->form))
+      : first(first), step(step), layout(meshStepLayout(first.groups,step->info))
     {
       fieldBegin[0] = 0;
       for (uint32_t g=0; g<first.groups; g++) {
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Base of group g on axis k, modulo 2^32: added to predictions and fields. */
     uint32_t base (uint32_t g, uint32_t k) const
     {
-      const uint32_t bits[3] = { stepBaseBits(step->form,0),stepBaseBits(step->form,1),stepBaseBits(step->form,2) };
+      const uint32_t bits[3] = { stepBaseBits(step->info,0),stepBaseBits(step->info,1),stepBaseBits(step->info,2) };
       if (bits[k] == 0) return 0;
       uint32_t at = g*(bits[0]+bits[1]+bits[2]);
       for (uint32_t i=0; i<k; i++) at += bits[i];

@@ -41,7 +41,7 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g);
         uint32_t bits = 0;
         for (uint32_t k=0; k<3; k++)
-          bits += fieldBits[g][k] = meshFieldBits(block->spacings,block->form,meshPlane(block,3+k,g),k);
+          bits += fieldBits[g][k] = meshFieldBits(block->spacings,block->info,meshPlane(block,3+k,g),k);
         firstTriangle[g+1] = firstTriangle[g] + groupTriangles(group);
         firstVertex[g+1] = firstVertex[g] + groupOwnVertices(record);
         topologyBegin[g+1] = topologyBegin[g] + meshTopology(group,record,numVertices).bits;
@@ -72,10 +72,10 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t coordinates[3];
       for (uint32_t k=0; k<3; at+=bits[k++])
         coordinates[k] = meshBitsAt(vertices,at,bits[k])
-          + (meshPlane(block,k,g) << meshBoxShift(block->spacings,block->form,k));
+          + (meshPlane(block,k,g) << meshBoxShift(block->spacings,block->info,k));
       if (isSheared()) {
-        const uint32_t m = meshShearedAxis(block->form);
-        coordinates[m] -= uint32_t(meshShear(block->form,int(coordinates[(m+1)%3]),int(coordinates[(m+2)%3])));
+        const uint32_t m = meshShearedAxis(block->info);
+        coordinates[m] -= uint32_t(meshShear(block->info,int(coordinates[(m+1)%3]),int(coordinates[(m+2)%3])));
       }
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
@@ -88,7 +88,7 @@ namespace cvert { inline namespace CVERT_ISA
         + meshBitsAt(numbers,numberBegin[g] + base + t*bits,bits);
     }
 
-    bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
+    bool isSheared () const { return (meshSlope(block->info,1) | meshSlope(block->info,2)) != 0; }
 
     /*! Box of a group in world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative
      *  to the origin. */
@@ -96,14 +96,14 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (uint32_t k=0; k<3; k++)
       {
-        const uint32_t shift = meshBoxShift(block->spacings,block->form,k), plane = meshPlane(block,k,g);
+        const uint32_t shift = meshBoxShift(block->spacings,block->info,k), plane = meshPlane(block,k,g);
         const uint32_t begin = plane << shift, end = (plane + meshPlane(block,3+k,g) + 1) << shift;
         if (hasRanks(block->spacings,k)) {
           lower[k] = position(k,begin);
           upper[k] = position(k,end-1);
           continue;
         }
-        const bool sheared = isSheared() && k == meshShearedAxis(block->form);
+        const bool sheared = isSheared() && k == meshShearedAxis(block->info);
         const float spacing = meshSpacing(block->spacings,k), origin = sheared ? 0.0f : block->origin[k];
         // meshShear rounds: a sheared coordinate may be 1/2 lower
         lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing;

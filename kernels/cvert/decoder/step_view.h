@@ -16,7 +16,7 @@ struct StepView
   bool isLater;             //!< data points to a VertStep
   float origin[3];
   VertSpacing spacing;
-  uint32_t form;            //!< boxForm of the step
+  uint32_t info;            //!< VertHeader::info or VertStep::info
   uint32_t word;            //!< word of the first cell
   uint32_t rotation;        //!< VertStep::rotation; 0 at the first step
   uint32_t remainders;      //!< word of remainders; 0 if there are none
@@ -31,7 +31,7 @@ CVERT_INLINE StepView withSpacing (StepView step, uint32_t remainders)
   uint32_t c = step.corners/4u;
   step.spacing = vertSpacing(step.word,wordAt(step.data,c),wordAt(step.data,c+1u),wordAt(step.data,c+2u),
                              wordAt(step.data,c+3u));
-  step.remainders = hasRemainders(step.form) ? wordAt(step.data,remainders/4u) : 0u;
+  step.remainders = hasRemainders(step.info) ? wordAt(step.data,remainders/4u) : 0u;
   return step;
 }
 
@@ -43,7 +43,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   step.origin[0] = CVERT_AT(VertHeader,block).origin[0];
   step.origin[1] = CVERT_AT(VertHeader,block).origin[1];
   step.origin[2] = CVERT_AT(VertHeader,block).origin[2];
-  step.form = CVERT_AT(VertHeader,block).boxForm;
+  step.info = CVERT_AT(VertHeader,block).info;
   step.word = CVERT_AT(VertHeader,block).word;
   step.rotation = 0u;
   step.hasHighBits = true;
@@ -66,12 +66,12 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   step.origin[0] = CVERT_AT(VertStep,later).origin[0];
   step.origin[1] = CVERT_AT(VertStep,later).origin[1];
   step.origin[2] = CVERT_AT(VertStep,later).origin[2];
-  step.form = CVERT_AT(VertStep,later).boxForm;
+  step.info = CVERT_AT(VertStep,later).info;
   step.word = CVERT_AT(VertStep,later).word;
   step.rotation = CVERT_AT(VertStep,later).rotation;
-  step.hasHighBits = hasUpperBits(step.form);
+  step.hasHighBits = hasUpperBits(step.info);
   step.corners = stepCornersOffset;
-  VertStepLayout offsets = vertStepLayout(region,step.form);
+  VertStepLayout offsets = vertStepLayout(region,step.info);
   step.margins = offsets.margins;
   step.words = offsets.words;
   step.wordsHigh = offsets.wordsHigh;
@@ -101,7 +101,7 @@ CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
 }
 
 CVERT_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) {
-  return step.isLater && isFirstCellRotated(step.form);
+  return step.isLater && isFirstCellRotated(step.info);
 }
 CVERT_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) {
   return areResidualsRotated(step.rotation,g);
@@ -113,13 +113,12 @@ CVERT_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) {
 CVERT_FUNCTION ShearedBounds boundsAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t encoded = step.isLater ? CVERT_AT(VertStep,step.data).bounds : CVERT_AT(VertHeader,step.data).bounds;
-  return decodeBounds(step.form,encoded,step.isLater ? beginBoundsStep(step.form) : boundsStep(step.form),step.spacing);
+  return decodeBounds(step.info,encoded,step.isLater ? beginBoundsStep(step.info) : boundsStep(step.info),step.spacing);
 }
 
-/*! Bounds at the step in the shear of the segment that ends with it. form: boxForm of the step at the segment's
- *  beginning. */
-CVERT_FUNCTION ShearedBounds boundsAtEnd (CVERT_IN(StepView) step, uint32_t form) {
-  return decodeBounds(form,CVERT_AT(VertStep,step.data).endBounds,endBoundsStep(step.rotation),step.spacing);
+/*! Bounds at the step in the shear of the segment that ends with it. info: of the step at the segment's begin. */
+CVERT_FUNCTION ShearedBounds boundsAtEnd (CVERT_IN(StepView) step, uint32_t info) {
+  return decodeBounds(info,CVERT_AT(VertStep,step.data).endBounds,endBoundsStep(step.rotation),step.spacing);
 }
 
 CVERT_END

@@ -28,14 +28,14 @@ namespace cvert { inline namespace CVERT_ISA
       if (const Reason reason = validateVersion(header)) return reason;
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
-      const VertLayout layout = vertLayout(header.region,header.boxForm);
+      const VertLayout layout = vertLayout(header.region,header.info);
       if (bytes < layout.margins)
         return Reason::damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
-      if (const Reason reason = hasNumbers(header.boxForm) ? validateNumbers(header) : validatePatch(header))
+      if (const Reason reason = hasNumbers(header.info) ? validateNumbers(header) : validatePatch(header))
         return reason;
       size_t end;
       if (const Reason reason = validateFirstStep(header,layout,bytes,end)) return reason;
-      if (isMoving(header.boxForm))
+      if (isMoving(header.info))
         if (const Reason reason = validateMotion(header,layout,bytes,end)) return reason;
       return validateTable(header,end,bytes);
     }
@@ -52,12 +52,12 @@ namespace cvert { inline namespace CVERT_ISA
                                    version,vertFormatVersion);
       if (reservedOfCorners(header.corners[4],header.corners[5]) != 0)
         return Reason::unsupported("reserved bits of its corners are set: expected 0");
-      if (hasEdges(header.boxForm) && hasNumbers(header.boxForm))
+      if (hasEdges(header.info) && hasNumbers(header.info))
         return Reason::unsupported("it has both edges and numbers: expected at most one of them");
       return Reason();
     }
 
-    /*! Checks axis and slopes. word: of a cell, or boxForm. */
+    /*! Checks axis and slopes. word: of a cell, or VertHeader::info. */
     static bool hasValidSlopes(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -76,10 +76,10 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
-      if (isRaw(header.boxForm))
+      if (isRaw(header.info))
         return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(header.word,header.corners)) return reason;
-      if (!hasValidSlopes(header.boxForm))
+      if (!hasValidSlopes(header.info))
         return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
       if (bytes < layout.cell)
         return Reason::damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
@@ -92,7 +92,7 @@ namespace cvert { inline namespace CVERT_ISA
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("it has % bytes: its fields need %",bytes,end);
-      if (!hasRemainders(header.boxForm)) return Reason();
+      if (!hasRemainders(header.info)) return Reason();
       return validateRemainders(vertSpacing(header.word,header.corners),wordAt(block,layout.remainders/4),
                                 header.region,bytes,end);
     }
@@ -149,17 +149,17 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (float x : step.origin)
         if (!std::isfinite(x)) return Reason::damaged("the origin of a time step is not finite");
-      const VertStepLayout at = vertStepLayout(header.region,step.boxForm);
+      const VertStepLayout at = vertStepLayout(header.region,step.info);
       end = at.rawBytes;
-      if (isRaw(step.boxForm))
+      if (isRaw(step.info))
         return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(step.word,step.corners)) return reason;
       if (versionOfCorners(step.corners[4],step.corners[5]) != 0
           || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
         return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
-      if (!hasValidSlopes(step.boxForm))
+      if (!hasValidSlopes(step.info))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
-      if (isRaw(header.boxForm) && ((step.rotation & 65535u) || isFirstCellRotated(step.boxForm)))
+      if (isRaw(header.info) && ((step.rotation & 65535u) || isFirstCellRotated(step.info)))
         return Reason::damaged("a time step predicts residuals from the first step, which is raw");
       if (((step.rotation >> 16) & 7u) == 7u)
         return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
@@ -167,13 +167,13 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
-        const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.boxForm),g);
+        const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.info),g);
         if (!hasValidSlopes(word))
           return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("a time step has % bytes: its fields need %",bytes,end);
-      if (!hasRemainders(step.boxForm)) return Reason();
+      if (!hasRemainders(step.info)) return Reason();
       return validateRemainders(vertSpacing(step.word,step.corners),wordAt(&step,at.remainders/4),header.region,bytes,
                                 end);
     }
@@ -198,7 +198,7 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
       const uint32_t form = header.patchQuads;
-      if (!hasNumbers(header.boxForm)) return Reason();
+      if (!hasNumbers(header.info)) return Reason();
       if (haveTrianglePairs(form)) {
         const VertNumbers stored = storedNumbersOf(&header);
         if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
@@ -236,7 +236,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (vertFirstX(header.region) + vertQuadsX(header.region) > quads[0]
           || vertFirstY(header.region) + vertQuadsY(header.region) > quads[1])
         return Reason::damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
-      if (!hasEdges(header.boxForm)) return Reason();
+      if (!hasEdges(header.info)) return Reason();
       const VertEdges edges = edgesOf(&header);
       if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges)))
         return Reason::damaged("its patch starts outside of its face");

@@ -45,7 +45,7 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     static Reason validateHeader (const MeshHeader& header)
     {
-      const uint32_t kind = kindOfBlock(header.counts,header.form), version = versionOfBlock(header.counts,header.form);
+      const uint32_t kind = kindOfBlock(header.counts,header.info), version = versionOfBlock(header.counts,header.info);
       if (kind != kindOfMesh)
         return Reason::unsupported("it is a block of kind %: expected %, a mesh block",kind,kindOfMesh);
       if (version != meshFormatVersion && version != movingMeshFormatVersion)
@@ -54,14 +54,14 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::unsupported("it is a mesh block of version % whose motion begins at %: expected an offset in "
           "version 7, and 0 in version 6",version,header.motion);
       if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set: expected 0");
-      if (header.form & 0x38000000u) return Reason::unsupported("reserved bits of its form are set: expected 0");
+      if (header.info & 0x38000000u) return Reason::unsupported("reserved bits of its info are set: expected 0");
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       for (uint32_t k=0; k<3; k++)
         if (((header.spacings >> (8*k)) & 255) == 255)
           return Reason::damaged("the exponent of a spacing is 255: expected at most 254");
-      const int slopes[2] = { meshSlope(header.form,1),meshSlope(header.form,2) };
-      if (meshShearedAxis(header.form) > 2) return Reason::damaged("its sheared axis is 3: expected 0 to 2");
+      const int slopes[2] = { meshSlope(header.info,1),meshSlope(header.info,2) };
+      if (meshShearedAxis(header.info) > 2) return Reason::damaged("its sheared axis is 3: expected 0 to 2");
       if (slopes[0] < -maxSlope || slopes[1] < -maxSlope)
         return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
       if ((slopes[0] | slopes[1]) != 0
@@ -142,13 +142,13 @@ namespace cvert { inline namespace CVERT_ISA
           if (!std::isfinite(x)) return Reason::damaged("a number of a time step's map is not finite");
         if (((step.spacings >> (8*k)) & 255) == 255)
           return Reason::damaged("the exponent of a time step's spacing is 255: expected at most 254");
-        if (stepBaseBits(step.form,k) > 32)
-          return Reason::damaged("bases of a time step have % bits: expected at most 32",stepBaseBits(step.form,k));
+        if (stepBaseBits(step.info,k) > 32)
+          return Reason::damaged("bases of a time step have % bits: expected at most 32",stepBaseBits(step.info,k));
       }
       if (step.spacings >> 24)
         return Reason::unsupported("reserved bits of a time step's spacings are set: expected 0");
-      if (step.form >> 30) return Reason::unsupported("reserved bits of a time step's form are set: expected 0");
-      const uint32_t fields = meshStepLayout(view.groups,step.form).fields;
+      if (step.info >> 30) return Reason::unsupported("reserved bits of a time step's info are set: expected 0");
+      const uint32_t fields = meshStepLayout(view.groups,step.info).fields;
       if (bytes < fields) return Reason::damaged("a time step has % bytes: its boxes and bases need %",bytes,fields);
       const MeshStepView at(view,&step);
       for (uint32_t g=0; g<view.groups; g++)

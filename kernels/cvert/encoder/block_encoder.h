@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
     VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers)
       : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
 
-    uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
+    uint32_t info () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
   };
 
   /*! Set `vertices`, then call encode(), for any number of blocks, by one thread at a time. */
@@ -52,18 +52,18 @@ namespace cvert { inline namespace CVERT_ISA
       bound();
       if (!allFinite) statistics.invalidQuads += countInvalidQuads();
       if (!anyFinite()) return 0;
-      const bool packed = allFinite && chooseSpacings() && pack(at,at.form(),block,[](int, const CellEncoder&) {});
+      const bool packed = allFinite && chooseSpacings() && pack(at,at.info(),block,[](int, const CellEncoder&) {});
       if (packed) {
         VertHeader& header = *(VertHeader*)block;
         boxes.begin(*this);
         boxes.addGroups();
-        header.boxForm |= boxes.write(block+layout.margins);
+        header.info |= boxes.write(block+layout.margins);
         uint32_t shift;
         header.bounds = boxes.encodeBounds(0,shift);
-        header.boxForm |= shift << 25;
+        header.info |= shift << 25;
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
       }
-      else packRaw(at,at.form(),block);
+      else packRaw(at,at.info(),block);
       statistics.raw = !packed;
       padTo4(block);
       return size_t(end-block);
@@ -74,12 +74,12 @@ namespace cvert { inline namespace CVERT_ISA
      *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell, and again for all cells if it starts over
      *  with coarser spacings. */
     template<typename OnCell>
-    bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
+    bool pack (const VertPlacement& at, uint32_t info, uint8_t* block, const OnCell& onCell)
     {
       for (bool isBalanced=false; ; )
       {
         computeCoordinates();
-        VertHeader& header = begin(at,form | uint32_t(hasRemainders()) << 24,block);
+        VertHeader& header = begin(at,info | uint32_t(hasRemainders()) << 24,block);
         if (!packCells(header,block,onCell)) {
           if (!coarsen(cell.excess)) return false;
           continue;
@@ -106,9 +106,9 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Appends zeros up to a multiple of 4 bytes. */
     void padTo4 (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
 
-    void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
+    void packRaw (const VertPlacement& at, uint32_t info, uint8_t* block)
     {
-      VertHeader& header = begin(at,form | rawForm,block);
+      VertHeader& header = begin(at,info | rawInfo,block);
       copyTo((float(*)[3])(block+layout.vertices));
       float* boxes = (float*)(block+layout.boxes);
       for (int k=0; k<3; k++)
@@ -149,14 +149,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Clears the sections before the first cell's fields, and writes the parts of the header that do not depend on
      *  vertices. */
-    VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
+    VertHeader& begin (const VertPlacement& at, uint32_t info, uint8_t* block)
     {
-      layout = vertLayout(at.region,form);
+      layout = vertLayout(at.region,info);
       memset(block,0,layout.cell);
       VertHeader& header = *(VertHeader*)block;
       header.region = at.region;
       header.patchQuads = at.patchQuads;
-      header.boxForm = form;
+      header.info = info;
       writeVersion(header.corners);
       if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
       if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));

@@ -48,13 +48,13 @@ namespace cvert { inline namespace CVERT_ISA
         for (uint32_t g=0; g<groups; g++) addGroup(e,g);
     }
 
-    /*! Writes the margins. Returns bits 0 to 23 of boxForm. */
+    /*! Writes the margins. Returns bits 0 to 23 of VertHeader::info. */
     uint32_t write (uint8_t* out) const
     {
-      uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14
+      uint32_t info = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14
         | (uint32_t(shear.slopes[1]) & 31u) << 19;
-      for (int k=0; k<3; k++) boxForm |= writeMargins(out+k*groups,margins[0][k],margins[1][k]) << (4*k);
-      return boxForm;
+      for (int k=0; k<3; k++) info |= writeMargins(out+k*groups,margins[0][k],margins[1][k]) << (4*k);
+      return info;
     }
 
     /*! Returns VertHeader::bounds for an end, in units of 2^shift coordinates. shift: receives the smallest

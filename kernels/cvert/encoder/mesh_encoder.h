@@ -367,11 +367,11 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t baseBits = bitWidth(highestBase-lowest), otherBits = bitWidth(numVertices-1);
       std::memcpy(header.origin,origin,sizeof(origin));
       for (int k=0; k<3; k++) header.spacings |= (isRanked[k] ? 0u : uint32_t(exponent[k]+127)) << (8*k);
-      for (int k=0; k<3; k++) header.form |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k);
+      for (int k=0; k<3; k++) header.info |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k);
       header.surface = surface;
       header.primID = lowest;
       header.counts = meshMarkOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
-      header.form |= meshMarkOfForm() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16
+      header.info |= meshMarkOfInfo() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16
         | (uint32_t(slopes[1]) & 31) << 21;
 
       const MeshLayout layout = meshLayout(header.counts);
@@ -408,7 +408,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const Group& group = all[g];
         uint32_t bits[3];
-        for (uint32_t k=0; k<3; k++) bits[k] = meshFieldBits(header.spacings,header.form,group.extent[k],k);
+        for (uint32_t k=0; k<3; k++) bits[k] = meshFieldBits(header.spacings,header.info,group.extent[k],k);
         vertexBits += group.owned*(bits[0]+bits[1]+bits[2]);
         for (uint32_t v=group.firstVertex; v<group.firstVertex+group.owned; v++)
           for (int k=0; k<3; k++)

@@ -95,11 +95,11 @@ namespace cvert { inline namespace CVERT_ISA
       {
         step.spacings |= spacingOf(k) << (8*k);
         baseBits[k] = residuals[k].baseBits(groups);
-        step.form |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k) | baseBits[k] << (12+6*k);
+        step.info |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k) | baseBits[k] << (12+6*k);
       }
       std::memcpy(out,&step,sizeof(step));
 
-      const MeshStepLayout layout = meshStepLayout(groups,step.form);
+      const MeshStepLayout layout = meshStepLayout(groups,step.info);
       for (uint32_t g=0; g<groups; g++)
       {
         uint32_t record = 0;

@@ -89,21 +89,21 @@ namespace cvert { inline namespace CVERT_ISA
 
     void packFirst ()
     {
-      const uint32_t form = at.form() | 1u << 31;
+      const uint32_t info = at.info() | 1u << 31;
       const bool packed = allFinite && chooseSpacings()
-        && pack(at,form,block,[&](int g, const CellEncoder& cell) {
+        && pack(at,info,block,[&](int g, const CellEncoder& cell) {
              memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals));
            });
       if (packed) statistics.fieldBytes = uint32_t(end - (block+layout.cell));
-      else packRaw(at,form,block);
+      else packRaw(at,info,block);
       VertHeader& header = *(VertHeader*)block;
       statistics.raw = wasRaw = isFirstRaw = !packed;
       padTo4(block);
       motion.steps = uint32_t(end-block);
-      memcpy(block+motionOffset(header.boxForm),&motion,sizeof(motion));
+      memcpy(block+motionOffset(header.info),&motion,sizeof(motion));
       end += sizeof(uint32_t)*(motion.numSteps-1);
       marginsOfSegment = block+layout.margins;
-      formOfSegment = &header.boxForm;
+      infoOfSegment = &header.info;
       boundsOfSegment = &header.bounds;
       rotation.setFirst(first,layout.groups);
     }
@@ -115,12 +115,12 @@ namespace cvert { inline namespace CVERT_ISA
       VertStep& header = *(VertStep*)end;
       bool packed = now.allFinite && now.chooseSpacings() && packCellsOfStep(now,header);
       if (packed) appendRemainders(now,(uint8_t*)&header,vertStepBytes);
-      const size_t rawBytes = vertStepLayout(at.region,rawForm).rawBytes;
+      const size_t rawBytes = vertStepLayout(at.region,rawInfo).rawBytes;
       packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
       if (!packed) {
         memset(&header,0,vertStepBytes);
         for (int k=0; k<3; k++) header.origin[k] = now.anyFinite() ? now.lower[k] : 0.0f;
-        header.boxForm = rawForm;
+        header.info = rawInfo;
         now.copyTo((float(*)[3])((uint8_t*)&header+vertStepBytes));
         end = (uint8_t*)&header + rawBytes;
       }
@@ -132,14 +132,14 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t shiftAt = step == 1 ? 25 : 28;
         uint32_t shift;
         *boundsOfSegment = boxes.encodeBounds(0,shift);
-        *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
+        *infoOfSegment = (*infoOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
           | shift << shiftAt;
         header.endBounds = boxes.encodeBounds(1,shift);
         header.rotation |= shift << 19;
       }
       wasRaw = !packed;
-      marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).margins;
-      formOfSegment = &header.boxForm;
+      marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.info).margins;
+      infoOfSegment = &header.info;
       boundsOfSegment = &header.bounds;
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
@@ -176,11 +176,11 @@ namespace cvert { inline namespace CVERT_ISA
         }
       }
       for (uint32_t g=0; g<groups; g++) statistics.rotatedGroups += areRotated[g];
-      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areRotated[firstCell]) << 25
+      header.info = uint32_t(now.hasRemainders()) << 24 | uint32_t(areRotated[firstCell]) << 25
         | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
       header.word = words[firstCell];
       now.write(header.origin,header.corners,header.word);
-      const VertStepLayout to = vertStepLayout(at.region,header.boxForm);
+      const VertStepLayout to = vertStepLayout(at.region,header.info);
       uint8_t* const data = (uint8_t*)&header;
       memset(data+to.margins,0,to.words-to.margins);
       for (uint32_t g=0; g<groups; g++) {
@@ -248,7 +248,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
     uint8_t* marginsOfSegment;  //!< these three point into the previous step, where the current segment begins
-    uint32_t* formOfSegment, * boundsOfSegment;
+    uint32_t* infoOfSegment, * boundsOfSegment;
     MotionStatistics statistics;
     std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< vertices of odd steps

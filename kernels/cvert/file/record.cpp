@@ -13,7 +13,7 @@ namespace cvert
     {
       if (block->primID >= numPrimitives)
         return Reason::damaged("primitive % is out of range: the geometry has %",block->primID,numPrimitives);
-      if (!hasNumbers(block->boxForm)) return Reason();
+      if (!hasNumbers(block->info)) return Reason();
       for (uint32_t y=0; y<vertQuadsY(block->region); y++)
         for (uint32_t x=0; x<vertQuadsX(block->region); x++)
           for (bool isSecond : { false,true }) {
@@ -76,8 +76,8 @@ namespace cvert
   {
     if (const Reason reason = validateVert(data,bytes)) return reason;
     const VertHeader* const block = (const VertHeader*)data;
-    if (const Reason reason = validateWhetherMoving(record,isMoving(block->boxForm))) return reason;
-    if (isMoving(block->boxForm))
+    if (const Reason reason = validateWhetherMoving(record,isMoving(block->info))) return reason;
+    if (isMoving(block->info))
       if (const Reason reason = validateMotion(record,motionOf(block))) return reason;
     return validatePrimitives(block,record.numPrimitives);
   }
@@ -92,7 +92,7 @@ namespace cvert
     const MeshView view(block);
     for (uint32_t g=0; g<view.groups; g++)
       for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++) {
-        const uint32_t primID = primitiveOfMesh(block->form,view.number(g,t));
+        const uint32_t primID = primitiveOfMesh(block->info,view.number(g,t));
         if (primID >= record.numPrimitives)
           return Reason::damaged("primitive % is out of range: the geometry has %",primID,record.numPrimitives);
       }

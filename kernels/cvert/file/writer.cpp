@@ -28,7 +28,7 @@ namespace cvert
     const VertHeader* const block = (const VertHeader*)data;
     if (const Reason reason = validateVertBlock(record,block,bytes))
       throw Error(reason.code,"the block cannot be saved: " + reason.message());
-    const bool moves = isMoving(block->boxForm);
+    const bool moves = isMoving(block->info);
     if (blocks.empty())
       for (int k=0; k<3; k++) { record.lower[k] = infinity; record.upper[k] = -infinity; }
     FileEntry entry = FileEntry();

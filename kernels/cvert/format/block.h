@@ -68,7 +68,7 @@ struct VertHeader
   uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or form of the numbers (quad_numbers.h)
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
+  uint32_t info;          //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
                           //!< 24: has remainders; 25..28: shift of bounds; 29: has edges; 30: has primitive numbers;
                           //!< 31: moves
   uint32_t word;          //!< word of the first cell; bits 24..31: exponent of the spacing on x
@@ -98,7 +98,7 @@ struct VertEdges
 };
 CVERT_READABLE(VertEdges,4)
 
-CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
+CVERT_FUNCTION bool hasEdges (uint32_t info) { return ((info >> 29) & 1u) != 0u; }
 
 CVERT_FUNCTION VertEdges packEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
                                     uint32_t cornerV)
@@ -123,11 +123,11 @@ struct VertMotion
 };
 CVERT_READABLE(VertMotion,4)
 
-CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
+CVERT_FUNCTION bool isMoving (uint32_t info) { return (info >> 31) != 0u; }
 
 /*! Byte offset of VertMotion. */
-CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
-  return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
+CVERT_FUNCTION uint32_t motionOffset (uint32_t info) {
+  return vertHeaderBytes + (hasEdges(info) || hasNumbers(info) ? vertEdgesBytes : 0u);
 }
 
 /*! Groups along a side of a block with `quads` quads. */
@@ -144,21 +144,21 @@ CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
  *
  *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the block's slopes. boxForm stores the axis m and the slopes in the same bits as a
- * cell's word stores main axis and slopes: the accessors of cell.h apply to both. */
+ * which is constant on a plane with the block's slopes. VertHeader::info stores the axis m and the slopes in the same
+ * bits as a cell's word stores main axis and slopes: the accessors of cell.h apply to both. */
 
 /*! Margins on an axis are multiples of 2^marginShift coordinates. */
-CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
+CVERT_FUNCTION uint32_t marginShift (uint32_t info, int axis) { return (info >> (4*axis)) & 15u; }
 
-CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
+CVERT_FUNCTION int shearedAxis (uint32_t info) { return cellAxis(info,0); }
 
 /*! Slope s1 or s2 (i = 1 or 2), in 1/16. */
-CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
+CVERT_FUNCTION int shearSlope (uint32_t info, int i) { return cellSlope(info,i); }
 
 /*! Unit of VertHeader::bounds, in coordinates. Bits 0..7 and 8..15 are the upper bounds on the axes m+1 and m+2,
  *  whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
  *  coordinate. */
-CVERT_FUNCTION uint32_t boundsStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CVERT_FUNCTION uint32_t boundsStep (uint32_t info) { return 1u << ((info >> 25) & 15u); }
 
 /*! Byte i of VertHeader::bounds, in units of boundsStep. */
 CVERT_FUNCTION int encodedBound (uint32_t bounds, int i)
@@ -167,8 +167,8 @@ CVERT_FUNCTION int encodedBound (uint32_t bounds, int i)
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
-CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
-CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
+CVERT_CONSTANT uint32_t rawInfo = 3u << 12; //!< VertHeader::info of a raw block
+CVERT_FUNCTION bool isRaw (uint32_t info) { return ((info >> 12) & 3u) == 3u; }
 
 /* Coordinates leave two bits free in each of the 12 values of corners. For value i, in order of corners:
  *
@@ -211,9 +211,9 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
 struct ShearedBounds { float upper[2], sheared[2]; };
 
 /*! encoded: VertHeader::bounds, VertStep::bounds or VertStep::endBounds. step: its unit. The products are exact. */
-CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t boxForm, uint32_t encoded, uint32_t step, VertSpacing spacing)
+CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint32_t step, VertSpacing spacing)
 {
-  int m = shearedAxis(boxForm);
+  int m = shearedAxis(info);
   ShearedBounds bounds;
   bounds.upper[0] = float(encodedBound(encoded,0))*float(step)*spacing.at[axisAfter(m,1)];
   bounds.upper[1] = float(encodedBound(encoded,1))*float(step)*spacing.at[axisAfter(m,2)];
@@ -229,14 +229,14 @@ CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t encoded, uint32_t step, VertSpacing spacing) {
-  return extentOfBounds(decodeBounds(boxForm,encoded,step,spacing));
+CVERT_FUNCTION float vertExtent (uint32_t info, uint32_t encoded, uint32_t step, VertSpacing spacing) {
+  return extentOfBounds(decodeBounds(info,encoded,step,spacing));
 }
 
 /*! Factor of the coordinate on axis m+i (i = 1 or 2) in h, which is in spacings of m. */
-CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
+CVERT_FUNCTION float shearFactor (uint32_t info, int i, VertSpacing spacing)
 {
-  int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
+  int slope = shearSlope(info,i), m = shearedAxis(info);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
@@ -267,7 +267,7 @@ CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, ui
  *
  * Remainders are stored row by row, x, y and z of each vertex, without gaps. */
 
-CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+CVERT_FUNCTION bool hasRemainders (uint32_t info) { return ((info >> 24) & 1u) != 0u; }
 CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
@@ -332,15 +332,15 @@ struct VertLayout
   uint32_t rawBytes;
 };
 
-CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
+CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t info)
 {
-  uint32_t begin = motionOffset(boxForm) + (isMoving(boxForm) ? vertMotionBytes : 0u);
+  uint32_t begin = motionOffset(info) + (isMoving(info) ? vertMotionBytes : 0u);
   VertLayout offsets;
   offsets.groupsX = groupsOf(vertQuadsX(region));
   offsets.groupsY = groupsOf(vertQuadsY(region));
   offsets.groups = offsets.groupsX*offsets.groupsY;
   offsets.remainders = begin;
-  offsets.margins = begin + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
+  offsets.margins = begin + (hasRemainders(info) ? vertRemaindersBytes : 0u);
   offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
   offsets.wordsHigh = offsets.words + 2u*offsets.groups;
   offsets.cell = offsets.wordsHigh + offsets.groups;
@@ -372,7 +372,7 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
   edges.low = edges.high = 0u;
-  if (hasEdges(CVERT_AT(VertHeader,block).boxForm)) edges = CVERT_AT(VertEdges,bytesAfter(block,vertHeaderBytes));
+  if (hasEdges(CVERT_AT(VertHeader,block).info)) edges = CVERT_AT(VertEdges,bytesAfter(block,vertHeaderBytes));
   return edges;
 }
 
@@ -400,7 +400,7 @@ CVERT_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) bloc
 CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
 
 CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
-  return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
+  return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).info)));
 }
 
 /*! Returns the primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y,
@@ -456,9 +456,9 @@ inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
 /*! Size of the first step in bytes, without VertTrianglePairs, table of numbers, and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
-  const VertLayout layout = vertLayout(block->region,block->boxForm);
-  if (isRaw(block->boxForm)) return layout.rawBytes;
-  if (hasRemainders(block->boxForm)) {
+  const VertLayout layout = vertLayout(block->region,block->info);
+  if (isRaw(block->info)) return layout.rawBytes;
+  if (hasRemainders(block->info)) {
     const uint32_t remainders = wordAt(block,layout.remainders/4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders,block->region);
   }

@@ -30,7 +30,7 @@ CVERT_BEGIN
 /*! Stored where grid blocks (block.h) store their version, so that their readers reject mesh blocks. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
-/*! Kind of a block, in bits of `counts` and `form` that version 5 reserves. Grid blocks have kind 0. */
+/*! Kind of a block, in bits of `counts` and `info` that version 5 reserves. Grid blocks have kind 0. */
 CVERT_CONSTANT uint32_t kindOfMesh = 1u;
 
 CVERT_CONSTANT uint32_t meshHeaderBytes = 56u;
@@ -61,7 +61,7 @@ struct MeshHeader
   uint32_t counts;
   //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26: the triangles
   //! are halves of quads; 27..29: 0
-  uint32_t form;
+  uint32_t info;
 };
 
 CVERT_FUNCTION uint32_t meshVertices (uint32_t counts) { return (counts & 1023u) + 1u; }
@@ -69,19 +69,19 @@ CVERT_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 
 CVERT_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
 CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
-/* Version and kind in `counts` and `form`, which are words 4 and 5 of corners in a grid block. */
+/* Version and kind in `counts` and `info`, which are words 4 and 5 of corners in a grid block. */
 CVERT_FUNCTION uint32_t meshMarkOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
 }
-CVERT_FUNCTION uint32_t meshMarkOfForm () {
+CVERT_FUNCTION uint32_t meshMarkOfInfo () {
   return (meshFormatVersion & 4u) << 13 | (meshFormatVersion & 8u) << 28 | (kindOfMesh & 4u) << 12
     | (kindOfMesh & 8u) << 27;
 }
 
 /* Version and kind of any block, from its words 12 and 13. */
-CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
-CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
+CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t info) { return versionOfCorners(counts,info); }
+CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t info) { return reservedOfCorners(counts,info); }
 
 CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
@@ -101,31 +101,31 @@ CVERT_FUNCTION float floatOfRank (uint32_t rank) {
 }
 
 /*! Planes of groups' boxes are multiples of 2^meshBoxShift coordinates. */
-CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
-  return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? minRankShift : 0u);
+CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t info, uint32_t axis) {
+  return ((info >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? minRankShift : 0u);
 }
 
-CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
+CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t info) { return (info >> 12) & 3u; }
 
 /*! Slope of axis m+i (i = 1 or 2), in 1/16. m: sheared axis. */
-CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
+CVERT_FUNCTION int meshSlope (uint32_t info, uint32_t i) { return int(info << (16u-5u*i)) >> 27; }
 
-/*! Bit of `form`: the primitives are quads with two triangles, (v0,v1,v3) and (v2,v3,v1). A triangle's number is twice
+/*! Bit of `info`: the primitives are quads with two triangles, (v0,v1,v3) and (v2,v3,v1). A triangle's number is twice
  *  the number of its primitive, plus 1 for the second. */
 CVERT_CONSTANT uint32_t meshHasQuads = 1u << 26;
 
 /* number: of a triangle, see meshHasQuads. */
-CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
-  return (form & meshHasQuads) != 0u ? number >> 1 : number;
+CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t info, uint32_t number) {
+  return (info & meshHasQuads) != 0u ? number >> 1 : number;
 }
-CVERT_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
-  return (form & meshHasQuads) != 0u && (number & 1u) != 0u;
+CVERT_FUNCTION bool isSecondOfQuad (uint32_t info, uint32_t number) {
+  return (info & meshHasQuads) != 0u && (number & 1u) != 0u;
 }
 
 /*! Amount that the shear adds to the coordinate on axis m. c1, c2: coordinates on the axes m+1 and m+2. Rounds to
  *  nearest, halves up. */
-CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
-  return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
+CVERT_FUNCTION int meshShear (uint32_t info, int c1, int c2) {
+  return (meshSlope(info,1u)*c1 + meshSlope(info,2u)*c2 + 8) >> 4;
 }
 
 /* Accessors of a group's byte in MeshHeader::groups (`group`) and of its record (`record`):
@@ -192,8 +192,8 @@ CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint3
 }
 
 /*! Bits of a vertex's field on an axis. extent: of the group's box, as stored. */
-CVERT_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
-  return bitsForIndex((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
+CVERT_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t info, uint32_t extent, uint32_t axis) {
+  return bitsForIndex((extent+1u) << meshBoxShift(spacings,info,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
 /*! Bits of a group's primitive numbers: a base, then a number per triangle. */

@@ -34,14 +34,14 @@ namespace cvert { inline namespace CVERT_ISA
     float origin[3];   //!< as in MeshHeader
     uint32_t spacings; //!< as in MeshHeader
     float map[3][4];   //!< per axis: factors of x, y and z at the first step, and a summand
-    uint32_t form;     //!< bits 0..11: shifts of boxes; 12..17, 18..23, 24..29: bits of bases on x, y, z; 30..31: 0
+    uint32_t info;     //!< bits 0..11: shifts of boxes; 12..17, 18..23, 24..29: bits of bases on x, y, z; 30..31: 0
   };
   static_assert(sizeof(MeshStep) == meshStepBytes,"step of a mesh block");
 
   inline uint32_t stepBoxShift (const MeshStep& step, uint32_t axis) {
-    return meshBoxShift(step.spacings,step.form,axis);
+    return meshBoxShift(step.spacings,step.info,axis);
   }
-  inline uint32_t stepBaseBits (uint32_t form, uint32_t axis) { return (form >> (12+6*axis)) & 63; }
+  inline uint32_t stepBaseBits (uint32_t info, uint32_t axis) { return (info >> (12+6*axis)) & 63; }
 
   /*! Bits of a vertex's field on an axis. record: of the group. Its bits 0..4, 5..9 and 10..14 are those of x, y and z,
    *  where 31 means 32. */
@@ -56,13 +56,13 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t records, boxes, bases, fields;
   };
 
-  inline MeshStepLayout meshStepLayout (uint32_t groups, uint32_t form)
+  inline MeshStepLayout meshStepLayout (uint32_t groups, uint32_t info)
   {
     MeshStepLayout offsets;
     offsets.records = meshStepBytes;
     offsets.boxes = offsets.records + meshStepRecordBytes*groups;
     offsets.bases = offsets.boxes + meshBoxBytes*groups;
-    const uint32_t bits = groups*(stepBaseBits(form,0) + stepBaseBits(form,1) + stepBaseBits(form,2));
+    const uint32_t bits = groups*(stepBaseBits(info,0) + stepBaseBits(info,1) + stepBaseBits(info,2));
     offsets.fields = offsets.bases + (bits+7)/8;
     return offsets;
   }
@@ -74,7 +74,7 @@ namespace cvert { inline namespace CVERT_ISA
     return record;
   }
 
-  /*! Version and kind in MeshHeader::counts. MeshHeader::form is marked as in other mesh blocks. */
+  /*! Version and kind in MeshHeader::counts. MeshHeader::info is marked as in other mesh blocks. */
   inline uint32_t movingMeshMarkOfCounts () { return meshMarkOfCounts() | 1u << 15; }
 
   /*! Requires a valid block. */

@@ -30,7 +30,7 @@ CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of corners in a ste
 struct VertStep
 {
   float origin[3];        //!< as in VertHeader
-  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, but 12..13: 3 if the step is
+  uint32_t info;          //!< bits 0..23: of the segment that begins, as in VertHeader, but 12..13: 3 if the step is
                           //!< raw; 24: has remainders; 25: the first cell is rotated; 26: words of groups have upper
                           //!< bits; 27: has margins; 28..31: shift of bounds
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
@@ -44,12 +44,12 @@ struct VertStep
 CVERT_READABLE(VertStep,4)
 
 /* Units of VertStep::bounds and VertStep::endBounds, see boundsStep. */
-CVERT_FUNCTION uint32_t beginBoundsStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
+CVERT_FUNCTION uint32_t beginBoundsStep (uint32_t info) { return 1u << (info >> 28); }
 CVERT_FUNCTION uint32_t endBoundsStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
-CVERT_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
-CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
-CVERT_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
+CVERT_FUNCTION bool isFirstCellRotated (uint32_t info) { return ((info >> 25) & 1u) != 0u; }
+CVERT_FUNCTION bool hasUpperBits (uint32_t info) { return ((info >> 26) & 1u) != 0u; }
+CVERT_FUNCTION bool hasMargins (uint32_t info) { return ((info >> 27) & 1u) != 0u; }
 CVERT_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
 /*! Entries of the matrix are multiples of 2^-rotationShift. 1 to 7 in valid blocks. */
@@ -110,15 +110,15 @@ struct VertStepLayout
   uint32_t vertices, rawBytes; //!< offset of the vertices of a raw step, and size of the step
 };
 
-CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
+CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t info)
 {
   uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
   VertStepLayout offsets;
   offsets.remainders = vertStepBytes;
-  offsets.margins = vertStepBytes + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
-  offsets.words = offsets.margins + (hasMargins(boxForm) ? (3u*groups + 1u) & ~1u : 0u);
+  offsets.margins = vertStepBytes + (hasRemainders(info) ? vertRemaindersBytes : 0u);
+  offsets.words = offsets.margins + (hasMargins(info) ? (3u*groups + 1u) & ~1u : 0u);
   offsets.wordsHigh = offsets.words + 2u*groups;
-  offsets.cell = offsets.wordsHigh + (hasUpperBits(boxForm) ? groups : 0u);
+  offsets.cell = offsets.wordsHigh + (hasUpperBits(info) ? groups : 0u);
   offsets.vertices = vertStepBytes;
   offsets.rawBytes = offsets.vertices + 12u*(vertQuadsX(region)+1u)*(vertQuadsY(region)+1u);
   return offsets;
@@ -145,9 +145,9 @@ CVERT_BEGIN
 /*! Size of a later step in bytes, without padding. */
 inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 {
-  const VertStepLayout layout = vertStepLayout(region,step->boxForm);
-  if (isRaw(step->boxForm)) return layout.rawBytes;
-  if (hasRemainders(step->boxForm)) {
+  const VertStepLayout layout = vertStepLayout(region,step->info);
+  if (isRaw(step->info)) return layout.rawBytes;
+  if (hasRemainders(step->info)) {
     const uint32_t remainders = wordAt(step,layout.remainders/4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders,region);
   }
@@ -159,14 +159,14 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const uint32_t form = block->patchQuads;
-  if (hasNumbers(block->boxForm) && haveTable(form)) {
+  if (hasNumbers(block->info) && haveTable(form)) {
     const VertNumbers numbers = numbersOf(block);
     const uint32_t entries = vertQuadsX(block->region)*vertQuadsY(block->region)*entriesPerQuad(form);
     return numbers.x + bytesOfNumberTable(entries,numbers.y);
   }
-  if (hasNumbers(block->boxForm) && haveTrianglePairs(form)) return storedNumbersOf(block).x
+  if (hasNumbers(block->info) && haveTrianglePairs(form)) return storedNumbersOf(block).x
     + uint32_t(sizeof(VertTrianglePairs));
-  if (!isMoving(block->boxForm)) return vertFirstStepSize(block);
+  if (!isMoving(block->info)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block,motionOf(block).numSteps-1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last,block->region);
 }

@@ -10,8 +10,8 @@
  *   table       any order of quads; per quad: its number minus the lowest
  *   triangles   any order of triangles; per triangle: its number minus the lowest, and its turn
  *
- * Bit 30 of boxForm marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the form of the
- * numbers, and primID their base.
+ * Bit 30 of VertHeader::info marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the form
+ * of the numbers, and primID their base.
  *
  * The number of a quad of two triangles is the number of its first triangle. The second triangle's number is higher by
  * 1, or by VertTrianglePairs::distance, if the application lists all first triangles before all second ones. A
@@ -42,7 +42,7 @@ struct VertTrianglePairs
 };
 CVERT_READABLE(VertTrianglePairs,4)
 
-CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
+CVERT_FUNCTION bool hasNumbers (uint32_t info) { return ((info >> 30) & 1u) != 0u; }
 
 /* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: turns of the first and the second triangle;
  * 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */

@@ -80,8 +80,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
 /*! Factor of world axis m+i in the sheared coordinate. */
-CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
-  return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
+CVERT_FUNCTION float shearOf (uint32_t info, int i) {
+  return i == 0 ? 1.0f : float(shearSlope(info,i))*(1.0f/16.0f);
 }
 
 CVERT_REAL struct RayInterval { Real from, to; };
@@ -493,7 +493,7 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
   uint32_t cornerU = 0u, cornerV = 0u;
   SurfacePoint point;
   point.primID = CVERT_AT(VertHeader,block).primID;
-  if (!CVERT_LIKELY(!hasEdges(CVERT_AT(VertHeader,block).boxForm)))
+  if (!CVERT_LIKELY(!hasEdges(CVERT_AT(VertHeader,block).info)))
   {
     VertEdges edges = edgesOf(block);
     if (isAtStitchedEdge(patchQuads,edges,x,y)) {
@@ -513,7 +513,7 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
 CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                         CVERT_AS_FLOAT(QuadPosition) at)
 {
-  if (hasNumbers(CVERT_AT(VertHeader,block).boxForm)) return pointOfNumberedQuad(block,lane,h,at);
+  if (hasNumbers(CVERT_AT(VertHeader,block).info)) return pointOfNumberedQuad(block,lane,h,at);
   return pointOfPatch(block,lane,h,at);
 }
 

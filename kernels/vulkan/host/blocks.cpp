@@ -36,7 +36,7 @@ void requireValid(const FlatBlock& block)
   if (block.type == meshBlockReference) reason = cvert::validateMesh(block.data, block.bytes);
   else if (isVert(block)) {
     reason = cvert::validateVert(block.data, block.bytes);
-    if (!reason && block.type == movingBlockReference && !isMoving(((const VertHeader*)block.data)->boxForm))
+    if (!reason && block.type == movingBlockReference && !isMoving(((const VertHeader*)block.data)->info))
       reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
   }
   else {

@@ -19,13 +19,13 @@ struct CbvhMeshBlock
   uvec2 at;                                        // address
   uint geomID;
   vec3 origin;
-  uint spacings, primID, counts, form;
+  uint spacings, primID, counts, info;
   uint groups;
   uint boxes;                                      // byte offset of the boxes
   uint topologyBegin, verticesBegin, numbersBegin; // first bits, from the start of the block
 };
 
-/* Per group: bit offsets in the block's sections, and the form of its vertices' fields:
+/* Per group: bit offsets in the block's sections, and the layout of its vertices' fields:
  *
  *   x   lower half: topology, upper half: fields of vertices
  *   y   lower half: numbers, upper half: index in the block of the first vertex that the group owns
@@ -46,7 +46,7 @@ CbvhMeshBlock cbvhReadMeshBlock (CbvhPointer at)
   block.spacings = CVERT_AT(MeshHeader, block.at).spacings;
   block.primID = CVERT_AT(MeshHeader, block.at).primID;
   block.counts = CVERT_AT(MeshHeader, block.at).counts;
-  block.form = CVERT_AT(MeshHeader, block.at).form;
+  block.info = CVERT_AT(MeshHeader, block.at).info;
   block.groups = meshGroups(block.counts);
   MeshLayout layout_ = meshLayout(block.counts);
   block.boxes = layout_.boxes;
@@ -75,7 +75,7 @@ float cbvhMeshPosition (CbvhMeshBlock block, int k, uint coordinate)
   return block.origin[k] + float(int(coordinate))*meshSpacing(block.spacings, uint(k));
 }
 
-bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlope(form, 2u) != 0; }
+bool cbvhIsMeshSheared (uint info) { return meshSlope(info, 1u) != 0 || meshSlope(info, 2u) != 0; }
 
 /* --- boxes ------------------------------------------------------------------------------ */
 
@@ -97,17 +97,17 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay
   CbvhMeshAxes axes = CbvhMeshAxes(3, true, vec3(0.0), 0.0, 1.0, 0.0);
   vec3 limit; // upper bounds of coordinates; planes have 8 bits
   for (int k = 0; k < 3; k++) {
-    limit[k] = float(256u << meshBoxShift(block.spacings, block.form, uint(k)));
+    limit[k] = float(256u << meshBoxShift(block.spacings, block.info, uint(k)));
     axes.extent[k] = limit[k]*meshSpacing(block.spacings, uint(k));
   }
-  if (!cbvhIsMeshSheared(block.form)) return axes;
-  int m = int(meshShearedAxis(block.form)), exponent = int(cbvhByteOf(block.spacings, m));
+  if (!cbvhIsMeshSheared(block.info)) return axes;
+  int m = int(meshShearedAxis(block.info)), exponent = int(cbvhByteOf(block.spacings, m));
   float sheared = limit[m] + 1.0;
   vec3 shears = vec3(0.0);
   shears[m] = 1.0;
   for (int i = 1; i < 3; i++) {
     int k = axisAfter(m, i), ratio = exponent - int(cbvhByteOf(block.spacings, k));
-    float slope = float(meshSlope(block.form, uint(i)))*(1.0/16.0);
+    float slope = float(meshSlope(block.info, uint(i)))*(1.0/16.0);
     axes.isBounded = axes.isBounded && abs(ratio) <= cbvhMaxMeshRatio;
     shears[k] = slope*floatOfBits(uint(clamp(ratio, -cbvhMaxMeshRatio, cbvhMaxMeshRatio) + 127) << 23);
     sheared += abs(slope)*limit[k];
@@ -127,7 +127,7 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay
 RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert,
                                      CbvhMeshAxes axes, uint plane, uint extent, int k)
 {
-  uint shift = meshBoxShift(block.spacings, block.form, uint(k)), begin = plane << shift;
+  uint shift = meshBoxShift(block.spacings, block.info, uint(k)), begin = plane << shift;
   uint end = (plane + extent + 1u) << shift;
   bool isSheared = k == axes.sheared;
   if (isSheared && !axes.isBounded) return interval;
@@ -166,7 +166,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
       uint plane = byteAt(block.at, block.boxes + uint(k)*block.groups + g);
       uint extent = byteAt(block.at, block.boxes + uint(k + 3)*block.groups + g);
       /* equals meshFieldBits, without its loop */
-      uint field = uint(findMSB(extent) + 1) + meshBoxShift(block.spacings, block.form, uint(k));
+      uint field = uint(findMSB(extent) + 1) + meshBoxShift(block.spacings, block.info, uint(k));
       planes |= plane << (8*k);
       fields |= field << (8*k);
       bits += field;
@@ -248,12 +248,12 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
   for (int k = 0; k < 3; k++) {
     uint field = cbvhByteOf(place.w, k);
     coordinates[k] = cbvhMeshBits(block, bit, field)
-      + (cbvhByteOf(place.z, k) << meshBoxShift(block.spacings, block.form, uint(k)));
+      + (cbvhByteOf(place.z, k) << meshBoxShift(block.spacings, block.info, uint(k)));
     bit += field;
   }
-  if (cbvhIsMeshSheared(block.form)) {
-    int m = int(meshShearedAxis(block.form));
-    coordinates[m] -= uint(meshShear(block.form, int(coordinates[axisAfter(m, 1)]), int(coordinates[axisAfter(m, 2)])));
+  if (cbvhIsMeshSheared(block.info)) {
+    int m = int(meshShearedAxis(block.info));
+    coordinates[m] -= uint(meshShear(block.info, int(coordinates[axisAfter(m, 1)]), int(coordinates[axisAfter(m, 2)])));
   }
   vec3 at;
   for (int k = 0; k < 3; k++) at[k] = cbvhMeshPosition(block, k, coordinates[k]);
@@ -308,11 +308,11 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
   if (!cbvhHitsTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
   uint number = cbvhMeshNumber(block, group.g, t);
   float u = clampParameter(at.sides.w1/at.sides.sum), v = clampParameter(at.sides.w2/at.sides.sum);
-  if (isSecondOfQuad(block.form, number)) {
+  if (isSecondOfQuad(block.info, number)) {
     u = 1.0 - u;
     v = 1.0 - v;
   }
-  cbvhSetHit(hit, ray, at.t, u, v, at.Ng, primitiveOfMesh(block.form, number), block.geomID);
+  cbvhSetHit(hit, ray, at.t, u, v, at.Ng, primitiveOfMesh(block.info, number), block.geomID);
   return true;
 }
 

@@ -149,7 +149,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   CodedCell first = cbvhNoCell();
   if (!block.hasRaw) {
     ShearedBounds bounds = boundsAtBegin(block.first);
-    axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfBounds(bounds), ray, vert);
+    axes = cbvhVertAxes(block.info, cbvhOrigin(block.first), extentOfBounds(bounds), ray, vert);
     if (!cbvhIntersectsBounds(ray, vert, axes, bounds, vec3(0.0), hit.t)) return false;
     first = firstCell(block.first, block.region);
   }

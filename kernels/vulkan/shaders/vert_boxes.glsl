@@ -30,25 +30,25 @@ CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
 /* Axes of the boxes of a block that is not raw, and the ray's sheared coordinate, relative to the block's origin. */
 struct CbvhVertAxes
 {
-  uint boxForm;
+  uint info;
   vec3 origin;
   float extent;              // upper bound, from the block's origin
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
 /* Factor of world axis k in the sheared coordinate. */
-float cbvhShearOf (uint boxForm, int k)
+float cbvhShearOf (uint info, int k)
 {
-  int m = shearedAxis(boxForm);
-  return shearOf(boxForm, k >= m ? k - m : k - m + 3);
+  int m = shearedAxis(info);
+  return shearOf(info, k >= m ? k - m : k - m + 3);
 }
 
-CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)
+CbvhVertAxes cbvhVertAxes (uint info, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   ShearedCoordinate along = zeroShearedCoordinate();
   for (int k = 0; k < 3; k++)
-    along = addSheared(along, ray.org[k], ray.dir[k], origin[k], extent, cbvhShearOf(boxForm, k));
-  return CbvhVertAxes(boxForm, origin, extent, along.org, directionReciprocal(along.dir, vert.largest),
+    along = addSheared(along, ray.org[k], ray.dir[k], origin[k], extent, cbvhShearOf(info, k));
+  return CbvhVertAxes(info, origin, extent, along.org, directionReciprocal(along.dir, vert.largest),
                       shearedSlack(along.size));
 }
 
@@ -59,7 +59,7 @@ float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlac
 bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, ShearedBounds bounds, vec3 slack,
   float tfar)
 {
-  int m = shearedAxis(axes.boxForm);
+  int m = shearedAxis(axes.info);
   RayInterval interval = RayInterval(ray.tnear, tfar);
   for (int i = 0; i < 2; i++) {
     int k = axisAfter(m, 1 + i);
@@ -76,7 +76,7 @@ bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes a
 RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                                  BoxPlanes planes, int k)
 {
-  bool isSheared = k == shearedAxis(axes.boxForm);
+  bool isSheared = k == shearedAxis(axes.info);
   float from = isSheared ? axes.org : ray.org[k], error = isSheared ? axes.error : cbvhSlack(axes, ray, k);
   return clipInterval(interval, (planes.lower - from) - error, (planes.upper - from) + error,
                  isSheared ? axes.rcp : vert.rcp[k]);
@@ -90,7 +90,7 @@ bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay 
   for (int k = 0; k < 3; k++) {
     uint margins = byteAt(block.at, block.first.margins + uint(k)*block.groups + g);
     interval = cbvhClippedByPlanes(interval, ray, vert, axes,
-                                   planesOfGroup(block.first, axes.boxForm, c00, c10, c01, c11, margins, k), k);
+                                   planesOfGroup(block.first, axes.info, c00, c10, c01, c11, margins, k), k);
   }
   return interval.from <= interval.to;
 }
@@ -99,7 +99,7 @@ bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay 
 bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
-  VertLayout offsets = vertLayout(block.region, block.boxForm);
+  VertLayout offsets = vertLayout(block.region, block.info);
   for (int k = 0; k < 3; k++) {
     BoxPlanes planes = rawPlanesOfGroup(block.at, offsets, g, k);
     float highest = block.first.origin[k];

@@ -46,7 +46,7 @@ bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment seg
   segment.begin = block.first;
   if (place.segment > 0u) segment.begin = viewOfLaterStep(block.at, block.region, place.segment);
   segment.end = viewOfLaterStep(block.at, block.region, place.segment + 1u);
-  block.hasRaw = isRaw(segment.begin.form) || isRaw(segment.end.form);
+  block.hasRaw = isRaw(segment.begin.info) || isRaw(segment.end.info);
   return true;
 }
 
@@ -66,7 +66,7 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
   [[dont_unroll]] for (int e = 0; e < 2; e++)
   {
     StepView step_ = cbvhEnd(segment, e);
-    if (isRaw(step_.form)) continue;
+    if (isRaw(step_.info)) continue;
     CodedCell cell = firstCell(step_, block.region);
     bool isRotated = isFirstCellRotated(step_);
     [[dont_unroll]] for (int v = 0; v < cellVertices; v++)
@@ -88,7 +88,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
   {
     StepView step_ = cbvhEnd(segment, e);
     CodedCell cell = cbvhNoCell();
-    bool raw = isRaw(step_.form), isRotated = !raw && isGroupRotated(step_, g);
+    bool raw = isRaw(step_.info), isRotated = !raw && isGroupRotated(step_, g);
     uint firstWord = 0u, firstFields = 0u;
     if (!raw) {
       int c = 5*int(gy) + int(gx);
@@ -121,9 +121,9 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert)
 {
-  uint form = segment.begin.form;
-  float extent = max(extentOfBounds(boundsAtBegin(segment.begin)), extentOfBounds(boundsAtEnd(segment.end, form)));
-  return cbvhVertAxes(form, cbvhBetween(cbvhOrigin(segment.begin), cbvhOrigin(segment.end), segment.fraction), extent,
+  uint info = segment.begin.info;
+  float extent = max(extentOfBounds(boundsAtBegin(segment.begin)), extentOfBounds(boundsAtEnd(segment.end, info)));
+  return cbvhVertAxes(info, cbvhBetween(cbvhOrigin(segment.begin), cbvhOrigin(segment.end), segment.fraction), extent,
                       ray, vert);
 }
 
@@ -134,16 +134,16 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   float sheared = 0.0;
   for (int k = 0; k < 3; k++) {
     slack[k] = motionSlack(segment.begin.origin[k], segment.end.origin[k], axes.extent);
-    sheared += abs(cbvhShearOf(axes.boxForm, k))*slack[k];
+    sheared += abs(cbvhShearOf(axes.info, k))*slack[k];
   }
-  slack[shearedAxis(axes.boxForm)] = sheared;
+  slack[shearedAxis(axes.info)] = sheared;
   return slack;
 }
 
 bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
                              float tfar)
 {
-  ShearedBounds bounds = interpolateBounds(boundsAtBegin(segment.begin), boundsAtEnd(segment.end, axes.boxForm),
+  ShearedBounds bounds = interpolateBounds(boundsAtBegin(segment.begin), boundsAtEnd(segment.end, axes.info),
                                            segment.fraction);
   return cbvhIntersectsBounds(ray, vert, axes, bounds, slack, tfar);
 }
@@ -153,14 +153,14 @@ bool cbvhIntersectsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPrepa
   CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)
 {
-  int c = 5*int(gy) + int(gx), m = shearedAxis(axes.boxForm);
+  int c = 5*int(gy) + int(gx), m = shearedAxis(axes.info);
   RayInterval interval = RayInterval(ray.tnear, tfar);
   [[dont_unroll]] for (int k = 0; k < 3; k++)
   {
     uint margins = byteAt(segment.begin.data, segment.begin.margins + uint(k)*block.groups + gy*block.groupsX + gx);
     BoxPlanes planes = BoxPlanes(0.0, 0.0);
     [[dont_unroll]] for (int e = 0; e < 2; e++) {
-      BoxPlanes atEnd = planesOfGroup(cbvhEnd(segment, e), axes.boxForm,
+      BoxPlanes atEnd = planesOfGroup(cbvhEnd(segment, e), axes.info,
                                       cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
                                       cbvhCornersAtEnds[e][c + 5], cbvhCornersAtEnds[e][c + 6], margins, k);
       if (e == 0) planes = atEnd;

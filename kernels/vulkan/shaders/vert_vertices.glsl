@@ -13,7 +13,7 @@ struct CbvhVertBlock
 {
   uvec2 at;                             // address
   uint geomID;
-  uint region, boxForm;
+  uint region, info;
   uint groupsX, groupsY, groups, quadsX, quadsY;
   StepView first;                       // view of step 0
   bool hasRaw;                          // a step at the ray's time is raw
@@ -25,15 +25,15 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
   block.at = at.address;
   block.geomID = at.geomID;
   block.region = CVERT_AT(VertHeader, block.at).region;
-  block.boxForm = CVERT_AT(VertHeader, block.at).boxForm;
+  block.info = CVERT_AT(VertHeader, block.at).info;
   block.quadsX = vertQuadsX(block.region);
   block.quadsY = vertQuadsY(block.region);
-  VertLayout offsets = vertLayout(block.region, block.boxForm);
+  VertLayout offsets = vertLayout(block.region, block.info);
   block.groupsX = offsets.groupsX;
   block.groupsY = offsets.groupsY;
   block.groups = offsets.groups;
   block.first = viewOfFirstStep(block.at, offsets);
-  block.hasRaw = isRaw(block.boxForm);
+  block.hasRaw = isRaw(block.info);
   return block;
 }
 
