@@ -113,8 +113,8 @@ public:
       std::vector<bool> restarts(n, false), fans(n, false);
       for (uint32_t t = 1; t < n; t++) restarts[t] = read(1);
       for (uint32_t t = 1; t < n; t++) fans[t] = read(1);
-      std::vector<uint32_t> turns(n), entries(stream), numbers(group.vertices);
-      for (uint32_t& turn : turns) turn = read(2);
+      std::vector<uint32_t> firstCorners(n), entries(stream), numbers(group.vertices);
+      for (uint32_t& firstCorner : firstCorners) firstCorner = read(2);
       std::vector<bool> isNew(stream, true), isOwn(group.vertices);
       for (uint32_t i = 3; i < stream; i++) isNew[i] = read(1);
       for (uint32_t i = 0; i < group.vertices; i++) isOwn[i] = read(1);
@@ -131,7 +131,8 @@ public:
         else if (fans[t]) { b = c; c = entries[at++]; }
         else { a = b; b = c; c = entries[at++]; flipped = !flipped; }
         const uint32_t corners[3] = {numbers[flipped ? b : a], numbers[flipped ? a : b], numbers[c]};
-        topology[g].triangles.push_back({corners[turns[t]], corners[(turns[t] + 1) % 3], corners[(turns[t] + 2) % 3]});
+        const uint32_t first = firstCorners[t];
+        topology[g].triangles.push_back({corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]});
       }
     }
     position = (position + 7)/8*8;
@@ -470,11 +471,11 @@ TEST(MeshStrips, MasksMarkTriangles)
       else if (fans >> t & 1) { b = c; c = next++; }
       else { a = b; b = c; c = next++; flipped = !flipped; }
       const uint32_t corners[3] = {flipped ? b : a, flipped ? a : b, c};
-      for (uint32_t turn = 0; turn < 3; turn++) {
-        const StripTriangle triangle = stripTriangle(restarts, fans, turn, t);
-        ASSERT_EQ(triangle.v0, corners[turn]) << t;
-        ASSERT_EQ(triangle.v1, corners[(turn + 1) % 3]) << t;
-        ASSERT_EQ(triangle.v2, corners[(turn + 2) % 3]) << t;
+      for (uint32_t first = 0; first < 3; first++) {
+        const StripTriangle triangle = stripTriangle(restarts, fans, first, t);
+        ASSERT_EQ(triangle.v0, corners[first]) << t;
+        ASSERT_EQ(triangle.v1, corners[(first + 1) % 3]) << t;
+        ASSERT_EQ(triangle.v2, corners[(first + 2) % 3]) << t;
       }
     }
     ASSERT_EQ(next, streamLength(n, countBits(restarts) - 1));

@@ -262,17 +262,17 @@ TEST(VertFormat, MotionMatchesPage)
 
 TEST(VertFormat, NumbersMatchPage)
 {
-  const std::vector<Bits> form = bitsOf("mesh_numbers.md", "the form");
-  ASSERT_EQ(form.size(), 8u);
-  EXPECT_EQ(form[0].count, 2u);
-  expectFlag(form[6], haveTrianglePairs);
-  expectFlag(form[1], isTriangleForm);
-  expectFlag(form[2], isSingleTriangleForm);
-  EXPECT_EQ(formOfFirstCorners(3, 0), 3u << form[3].first);
-  EXPECT_EQ(formOfFirstCorners(0, 3), 3u << form[4].first);
-  EXPECT_EQ(firstCornerOfTriangle(2u << form[3].first, false), 2u);
-  EXPECT_EQ(firstCornerOfTriangle(2u << form[4].first, true), 2u);
-  EXPECT_EQ(patternNumber(numbersRecursive | 0xA5u << form[5].first, VertNumbers{0, 0}, 5, 8), 0xA5u);
+  const std::vector<Bits> bits = bitsOf("mesh_numbers.md", "the numbering");
+  ASSERT_EQ(bits.size(), 8u);
+  EXPECT_EQ(bits[0].count, 2u);
+  expectFlag(bits[6], haveTrianglePairs);
+  expectFlag(bits[1], isTriangleNumbering);
+  expectFlag(bits[2], isSingleTriangleNumbering);
+  EXPECT_EQ(packFirstCorners(3, 0), 3u << bits[3].first);
+  EXPECT_EQ(packFirstCorners(0, 3), 3u << bits[4].first);
+  EXPECT_EQ(firstCornerOfTriangle(2u << bits[3].first, false), 2u);
+  EXPECT_EQ(firstCornerOfTriangle(2u << bits[4].first, true), 2u);
+  EXPECT_EQ(patternNumber(numbersRecursive | 0xA5u << bits[5].first, VertNumbers{0, 0}, 5, 8), 0xA5u);
 
   // rows: X x + Y y
   EXPECT_EQ(patternNumber(numbersInRows, VertNumbers{3u, ~0u}, 5, 4), 11u);
@@ -299,17 +299,17 @@ TEST(VertFormat, NumbersMatchPage)
 
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};
-  for (uint32_t turn = 0; turn < 3; turn++) {
-    const PrimitiveParameters p = primitiveParameters(numbersOfTriangles | formOfFirstCorners(turn, 0), false, a, b);
-    EXPECT_EQ(p.u, w[(1 + turn) % 3]);
-    EXPECT_EQ(p.v, w[(2 + turn) % 3]);
+  for (uint32_t first = 0; first < 3; first++) {
+    const PrimitiveParameters p = primitiveParameters(numbersOfTriangles | packFirstCorners(first, 0), false, a, b);
+    EXPECT_EQ(p.u, w[(1 + first) % 3]);
+    EXPECT_EQ(p.v, w[(2 + first) % 3]);
     const PrimitiveParameters q =
-      primitiveParameters(numbersOfTriangles | formOfFirstCorners(0, turn), true, 1 - a, 1 - b);
-    EXPECT_EQ(q.u, w[(1 + turn) % 3]);
-    EXPECT_EQ(q.v, w[(2 + turn) % 3]);
+      primitiveParameters(numbersOfTriangles | packFirstCorners(0, first), true, 1 - a, 1 - b);
+    EXPECT_EQ(q.u, w[(1 + first) % 3]);
+    EXPECT_EQ(q.v, w[(2 + first) % 3]);
   }
   EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is clamped to 0";
-  EXPECT_EQ(primitiveParameters(numbersOfTriangles | formOfFirstCorners(0, 2), true, a, b).u, 0);
+  EXPECT_EQ(primitiveParameters(numbersOfTriangles | packFirstCorners(0, 2), true, a, b).u, 0);
   const PrimitiveParameters own = primitiveParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
   EXPECT_EQ(own.v, b);
@@ -331,7 +331,7 @@ TEST(VertFormat, NumbersMatchPage)
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1011u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 911u);
 
-  // a table of triangles: entries of 7 bits; 2 of them are the turn
+  // a table of triangles: entries of 7 bits; 2 of them are the first corner
   std::memset(block + 128, 0, 128);
   const VertNumbers ofTriangles = {128, 7};
   std::memcpy(&header + 1, &ofTriangles, sizeof(ofTriangles));
@@ -341,14 +341,14 @@ TEST(VertFormat, NumbersMatchPage)
     if (((21u << 2 | 2u) >> b) & 1) block[128 + (7*entry + b)/8] |= uint8_t(1u << ((7*entry + b) % 8));
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1000u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 1021u);
-  EXPECT_EQ(firstCornerOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
+  EXPECT_EQ(firstCornerOfTriangle(primitiveOfQuad(&header, 2, 1, true).numbering, true), 2u);
 }
 
 TEST(VertFormat, NumbersOfTrianglesRoundTrip)
 {
-  struct Quad { uint32_t first, second, turns; };
+  struct Quad { uint32_t first, second, firstCorners; };
   struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<Quad(uint32_t)> quad; };
-  const uint32_t turned = formOfFirstCorners(2, 1);
+  const uint32_t turned = packFirstCorners(2, 1);
   std::vector<uint32_t> shuffled(2*20*18);
   for (uint32_t i = 0; i < shuffled.size(); i++) shuffled[i] = (i*337 + 11) % uint32_t(shuffled.size());
   const auto recursive = [](uint32_t i) {
@@ -367,19 +367,19 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
     {"any order", numbersInTriangleTable, false, [&](uint32_t i) {
       return Quad{shuffled[2*i], shuffled[2*i + 1], turned};
     }},
-    {"any turns", numbersInTriangleTable, false, [&](uint32_t i) {
-      return Quad{2*i, 2*i + 1, formOfFirstCorners(i % 3, i/7 % 3)};
+    {"any first corners", numbersInTriangleTable, false, [&](uint32_t i) {
+      return Quad{2*i, 2*i + 1, packFirstCorners(i % 3, i/7 % 3)};
     }}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     QuadNumbers numbers;
-    numbers.form = numbersOfTriangles;
+    numbers.numbering = numbersOfTriangles;
     numbers.width = 20;
     for (unsigned i = 0; i < 20*18; i++) {
       const Quad quad = c.quad(i);
       numbers.numbers.push_back(quad.first);
       numbers.seconds.push_back(quad.second);
-      numbers.turns.push_back(uint8_t(quad.turns));
+      numbers.firstCorners.push_back(uint8_t(quad.firstCorners));
     }
     NumbersEncoder encoder;
     encoder.choosePattern(numbers, 16, 2, 4, 16);
@@ -387,11 +387,11 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
     VertHeader& header = *(VertHeader*)bytes;
     header.region = packRegion(4, 16, 16, 0);
     header.info = 1u << 30;
-    header.patchQuads = encoder.form;
+    header.patchQuads = encoder.numbering;
     std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));
     const size_t size = encoder.finish(&header, 75);
-    EXPECT_EQ(patternOfNumbers(encoder.form), c.pattern);
-    EXPECT_EQ(haveTrianglePairs(encoder.form), c.hasHalves);
+    EXPECT_EQ(patternOfNumbers(encoder.numbering), c.pattern);
+    EXPECT_EQ(haveTrianglePairs(encoder.numbering), c.hasHalves);
     if (c.hasHalves && c.pattern != numbersInTable) {
       EXPECT_EQ(size, 76 + sizeof(VertTrianglePairs));
     }
@@ -401,7 +401,8 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
         for (bool isSecond : {false, true}) {
           const QuadPrimitive primitive = primitiveOfQuad(&header, x, y, isSecond);
           EXPECT_EQ(primitive.primID, isSecond ? numbers.seconds[i] : numbers.numbers[i]);
-          EXPECT_EQ(firstCornerOfTriangle(primitive.form, isSecond), firstCornerOfTriangle(numbers.turns[i], isSecond));
+          EXPECT_EQ(firstCornerOfTriangle(primitive.numbering, isSecond),
+                    firstCornerOfTriangle(numbers.firstCorners[i], isSecond));
         }
       }
   }

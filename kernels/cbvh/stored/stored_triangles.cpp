@@ -173,15 +173,15 @@ namespace embree
                                                 vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
               for (bool isSecond : { false,true }) {
                 const QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
-                const uint32_t form = primitive.form;
-                if (primitive.primID != primID || (isSecond && isSingleTriangleForm(form))) continue;
+                const uint32_t numbering = primitive.numbering;
+                if (primitive.primID != primID || (isSecond && isSingleTriangleNumbering(numbering))) continue;
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
                   // `around` lists the corners in the order of primitiveParameters
                   const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
-                  p[i] = corners[around[(i + firstCornerOfTriangle(form,isSecond)) % 3]];
-                  if (!isTriangleForm(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
+                  p[i] = corners[around[(i + firstCornerOfTriangle(numbering,isSecond)) % 3]];
+                  if (!isTriangleNumbering(numbering) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
                 }
                 addCandidate(p,s,t);
               }
@@ -411,16 +411,16 @@ namespace embree
             shouldContinue = closure(block,part);
             return;
           }
-          const uint32_t form = block.vert()->patchQuads;
+          const uint32_t numbering = block.vert()->patchQuads;
           const VerticesAtTime decoded(block.vert(),time);
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
           forEachQuad(block.vert(),[&](uint32_t x, uint32_t y) {
               primIDs[n++] = primitiveOfQuad(block.vert(),x,y,false).primID;
-              if (isTriangleForm(form)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
+              if (isTriangleNumbering(numbering)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
             });
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
-          part.primitivesPerQuad = isTriangleForm(form) ? 2 : 1;
+          part.primitivesPerQuad = isTriangleNumbering(numbering) ? 2 : 1;
           shouldContinue = closure(block,part);
         });
     }

@@ -23,7 +23,7 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
     size_t numInvalid = 0;
-    bool formsDiffer = false;                        //!< see cvert/format/quad_numbers.h and looksRegular()
+    bool firstCornersDiffer = false;                 //!< see cvert/format/quad_numbers.h and looksRegular()
 
     size_t size () const { return isValid.size(); }
   };
@@ -55,7 +55,7 @@ namespace embree
     struct Quad : public Corners
     {
       unsigned index;
-      unsigned form;
+      unsigned numbering;
     };
 
     /*! A quad that is not in the table, because a quad with a lower number begins at the same vertex. first: that
@@ -73,7 +73,7 @@ namespace embree
       Quad q;
       static_cast<Corners&>(q) = corners[index];
       q.index = index;
-      q.form = forms[index];
+      q.numbering = numberings[index];
       return q;
     }
 
@@ -81,12 +81,13 @@ namespace embree
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if quads can be neighbors: they have the same form or, with formsDiffer, the same number of triangles. */
+    /*! True if quads can be neighbors: they have the same numbering or, with firstCornersDiffer, the same number of
+     *  triangles. */
     bool areCompatible (const Quad& q, const Quad& other) const
     {
-      const unsigned different = q.form ^ other.form;
+      const unsigned different = q.numbering ^ other.numbering;
       if (q.index == other.index) return false;
-      return out.formsDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
+      return out.firstCornersDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
     /*! Copies all corners, because later steps read them repeatedly and in the order of neighbors. Returns false if no
@@ -94,7 +95,7 @@ namespace embree
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
-      cbvh::resizeToFit(forms,quads.size());
+      cbvh::resizeToFit(numberings,quads.size());
       cbvh::resizeToFit(out.isValid,quads.size());
       std::atomic<size_t> numInvalid(0);
       typedef std::pair<unsigned,unsigned> Range; // lowest and highest vertex
@@ -104,7 +105,7 @@ namespace embree
           size_t n = 0;
           for (size_t i=r.begin(); i!=r.end(); i++) {
             Corners& q = corners[i];
-            forms[i] = uint8_t(quads.cornersAndForm(i,q.v));
+            numberings[i] = uint8_t(quads.cornersAndNumbering(i,q.v));
             out.isValid[i] = isValid(q);
             if (out.isValid[i]) span = Range(min(span.first,q.v[0]),max(span.second,q.v[0])); else n++;
           }
@@ -179,14 +180,14 @@ namespace embree
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,extraAbove,found); }
 
     /*! True if at least a quarter of a sample of quads is regular: their right and upper neighbors share a neighbor.
-     *  Sets formsDiffer if more than twice as many are regular with neighbors of different forms; numbers of triangles
-     *  must then fit into 30 bits, next to 2 bits for a turn. */
+     *  Sets firstCornersDiffer if more than twice as many are regular with neighbors of different numberings; triangle
+     *  numbers must then fit into 30 bits, next to 2 bits for a first corner. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
       size_t numSampled = 0;
-      auto countRegular = [&](bool formsDiffer) {
-        out.formsDiffer = formsDiffer;
+      auto countRegular = [&](bool firstCornersDiffer) {
+        out.firstCornersDiffer = firstCornersDiffer;
         numSampled = 0;
         size_t regular = 0;
         for (size_t i=0; i<quads.size(); i+=step) {
@@ -197,9 +198,9 @@ namespace embree
         }
         return regular;
       };
-      const size_t withOwnForms = countRegular(true), withEqualForms = countRegular(false);
-      out.formsDiffer = withOwnForms > 2*withEqualForms && quads.size() < size_t(1) << 29;
-      return 4*(out.formsDiffer ? withOwnForms : withEqualForms) >= numSampled;
+      const size_t withOwnCorners = countRegular(true), withEqualCorners = countRegular(false);
+      out.firstCornersDiffer = withOwnCorners > 2*withEqualCorners && quads.size() < size_t(1) << 29;
+      return 4*(out.firstCornersDiffer ? withOwnCorners : withEqualCorners) >= numSampled;
     }
 
     void findNeighbors ()
@@ -227,7 +228,7 @@ namespace embree
     const size_t numVertices;
     QuadNeighbors& out;
     cbvh::UnmonitoredVector<Corners> corners;
-    cbvh::UnmonitoredVector<uint8_t> forms;
+    cbvh::UnmonitoredVector<uint8_t> numberings;
     unsigned lowestVertex = 0;                      //!< at which a quad begins
     cbvh::UnmonitoredVector<unsigned> lowestQuadAt; //!< lowest quad that begins at a vertex, by vertex - lowestVertex
     std::vector<ExtraQuad> extraRight, extraAbove; //!< sorted by the vertices that neighbors must share

@@ -222,7 +222,7 @@ namespace embree
       if (quads.size() == 0) return;
       QuadNeighbors neighbors;
       if (!NeighborFinder<decltype(quadsOf(mesh,out))>(quads,mesh->numVertices(),neighbors).run()) return;
-      out.formsDiffer = neighbors.formsDiffer;
+      out.firstCornersDiffer = neighbors.firstCornersDiffer;
       out.numInvalid = neighbors.numInvalid;
       RegionFinder(neighbors,out).run();
     }

@@ -40,10 +40,10 @@ namespace embree
       unsigned firstPrimID (size_t quad) const { return unsigned(quad); } //!< primID of the quad
       unsigned secondPrimID (size_t quad) const { return unsigned(quad); } //!< primID of its second triangle: the same
 
-      /*! Form of the quad's number, 0 for quad meshes. See cvert/format/quad_numbers.h. */
-      unsigned form (size_t) const { return 0; }
+      /*! Numbering of the quad (cvert/format/quad_numbers.h): 0 for quad meshes. */
+      unsigned numbering (size_t) const { return 0; }
 
-      unsigned cornersAndForm (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
+      unsigned cornersAndNumbering (size_t quad, unsigned v[4]) const { corners(quad,v); return numbering(quad); }
     };
 
     /*! Pairs of triangles, as quads. A triangle without a partner is a pair whose second triangle is the first. */
@@ -67,15 +67,15 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). turns: set to the
-       *  corners with which the triangles begin (quad_numbers.h). Returns false if they share no edge. */
-      static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
+      /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). firstCorners: receives
+       *  the corners with which the triangles begin (quad_numbers.h). Returns false if they share no edge. */
+      static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& firstCorners)
       {
         for (unsigned i=0; i<3; i++)
           for (unsigned j=0; j<3; j++) {
             if (a[i] != b[(j+1)%3] || a[(i+1)%3] != b[j]) continue;
             v[0] = a[(i+2)%3]; v[1] = a[i]; v[2] = b[(j+2)%3]; v[3] = b[j];
-            turns = cbvh::formOfFirstCorners((3-(i+2)%3)%3,(3-(j+2)%3)%3);
+            firstCorners = cbvh::packFirstCorners((3-(i+2)%3)%3,(3-(j+2)%3)%3);
             return true;
           }
         return false;
@@ -84,28 +84,28 @@ namespace embree
       /*! True if two triangles share an edge, and all their vertices exist. */
       bool shareEdge (size_t first, size_t second) const
       {
-        unsigned a[3], b[3], v[4], turns;
+        unsigned a[3], b[3], v[4], firstCorners;
         triangle(first,a);
         triangle(second,b);
-        return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
+        return join(a,b,v,firstCorners) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
-      unsigned cornersAndForm (size_t pair, unsigned v[4]) const
+      unsigned cornersAndNumbering (size_t pair, unsigned v[4]) const
       {
         const unsigned first = firstPrimID(pair), other = secondPrimID(pair);
-        unsigned a[3], b[3], turns = 0;
+        unsigned a[3], b[3], firstCorners = 0;
         triangle(first,a);
         if (other == first) { // for a single triangle, v2 equals v1
           v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
           return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
         }
         triangle(other,b);
-        join(a,b,v,turns);
-        return cbvh::numbersOfTriangles | turns;
+        join(a,b,v,firstCorners);
+        return cbvh::numbersOfTriangles | firstCorners;
       }
 
-      void corners (size_t pair, unsigned v[4]) const { cornersAndForm(pair,v); }
-      unsigned form (size_t pair) const { unsigned v[4]; return cornersAndForm(pair,v); }
+      void corners (size_t pair, unsigned v[4]) const { cornersAndNumbering(pair,v); }
+      unsigned numbering (size_t pair) const { unsigned v[4]; return cornersAndNumbering(pair,v); }
 
       void triangle (size_t i, unsigned v[3]) const
       {
@@ -138,7 +138,7 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from the quad at its corner v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
-    bool formsDiffer = false;  //!< triangles of a region's quads begin at different corners
+    bool firstCornersDiffer = false; //!< triangles of a region's quads begin at different corners
     bool isOutOfMemory = false; //!< memory ran out while regions were searched
     cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllIrregular = false; //!< no regions, and `irregular` is empty
@@ -197,20 +197,21 @@ namespace embree
       const QuadRegions::Region& r = meshRegions.regions[region];
       const unsigned* const at = meshRegions.quads.data()+r.first;
       const size_t n = size_t(r.width)*r.height;
-      out.form = quads.form(*at);
+      out.numbering = quads.numbering(*at);
       out.width = r.width;
       out.numbers.resize(n);
       for (size_t k=0; k<n; k++) out.numbers[k] = quads.firstPrimID(at[k]);
-      const bool areAllAlike = meshRegions.seconds.empty() && !meshRegions.formsDiffer;
-      const bool needSeconds = !areAllAlike && cbvh::isTriangleForm(out.form) && !cbvh::isSingleTriangleForm(out.form);
+      const bool areAllAlike = meshRegions.seconds.empty() && !meshRegions.firstCornersDiffer;
+      const bool needSeconds = !areAllAlike && cbvh::isTriangleNumbering(out.numbering)
+        && !cbvh::isSingleTriangleNumbering(out.numbering);
       out.seconds.resize(needSeconds ? n : 0);
-      out.turns.resize(needSeconds ? n : 0);
+      out.firstCorners.resize(needSeconds ? n : 0);
       if (!needSeconds) return;
-      const unsigned turns = cbvh::formOfFirstCorners(3,3);
-      out.form &= ~turns;
+      const unsigned firstCorners = cbvh::packFirstCorners(3,3);
+      out.numbering &= ~firstCorners;
       for (size_t k=0; k<n; k++) {
         out.seconds[k] = quads.secondPrimID(at[k]);
-        out.turns[k] = uint8_t(quads.form(at[k]) & turns);
+        out.firstCorners[k] = uint8_t(quads.numbering(at[k]) & firstCorners);
       }
     }
 
@@ -224,8 +225,8 @@ namespace embree
       const unsigned side = cbvh::vertBlockQuads;
       numberRegion(quads,meshRegions,region,numbers);
       encoder.choosePattern(numbers,0,0,min(r.width,side),min(r.height,side));
-      if (!cbvh::haveTable(encoder.form)) return 0;
-      return size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
+      if (!cbvh::haveTable(encoder.numbering)) return 0;
+      return size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.numbering)*encoder.pattern.y/8;
     }
   }
 }

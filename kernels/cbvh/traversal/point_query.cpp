@@ -130,7 +130,7 @@ namespace embree
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
-          const uint32_t form = header->patchQuads;
+          const uint32_t numbering = header->patchQuads;
           bool changed = false;
           for (uint32_t y=0; y<vertQuadsY(header->region); y++)
             for (uint32_t x=0; x<vertQuadsX(header->region); x++)
@@ -139,9 +139,9 @@ namespace embree
               const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) },
                 * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
-              if (!isTriangleForm(form))
+              if (!isTriangleNumbering(numbering))
                 changed |= callForPrimitive(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
-              else for (int i=0; i < (isSingleTriangleForm(form) ? 1 : 2); i++)
+              else for (int i=0; i < (isSingleTriangleNumbering(numbering) ? 1 : 2); i++)
                 changed |= callForPrimitive(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
             }
           return changed;

@@ -6,7 +6,7 @@
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
  * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block.
  *
- * docs/formats/mesh_block.md defines restarts, fans, turns, news, owns, repeats and others. */
+ * docs/formats/mesh_block.md defines restarts, fans, first corners, news, owns, repeats and others. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -49,8 +49,8 @@ namespace embree
           out.numVertices = uint8_t(vertexCount);
           BitReader at(block,boxes.topologyBegin+boxes.topology[g]);
           const uint32_t restarts = at.read(count-1) << 1, fans = at.read(count-1) << 1;
-          uint64_t turns = at.read(min(2*count,32u));
-          if (unlikely(count > 16)) turns |= uint64_t(at.read(2*count-32)) << 32;
+          uint64_t firstCorners = at.read(min(2*count,32u));
+          if (unlikely(count > 16)) firstCorners |= uint64_t(at.read(2*count-32)) << 32;
           uint64_t news = at.read(min(stream-3,32u));
           if (unlikely(stream-3 > 32)) news |= uint64_t(at.read(stream-3-32)) << 32;
           const uint32_t owns = at.read(vertexCount);
@@ -59,12 +59,12 @@ namespace embree
           decodeVertices(boxes,g,vertexCount,owns,at,out.vertices);
 #if defined(__AVX2__)
           if (likely(count <= 16 && stream <= 32 && stream-vertexCount <= 8)) {
-            decodeStripsInParallel(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.peek(),repeatBits,
-              out.corners);
+            decodeStripsInParallel(restarts | 1,fans,uint32_t(firstCorners),uint32_t(news) << 3 | 7,repeats.peek(),
+              repeatBits,out.corners);
             return;
           }
 #endif
-          decodeStripsSerially(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
+          decodeStripsSerially(count,16*half,restarts,fans,firstCorners,news,repeats,repeatBits,out.corners);
         }
 
         /*! Number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
@@ -119,18 +119,18 @@ namespace embree
             isFlipped ^= !isFan;
           }
 
-          /*! Corners in the application's order, 8 bits each. turn: first corner, 0 to 2. */
-          uint32_t corners (uint32_t turn) const
+          /*! Corners in the application's order, 8 bits each. firstCorner: first corner, 0 to 2. */
+          uint32_t corners (uint32_t firstCorner) const
           {
             const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
-            return uint32_t((v | v << 24) >> (8*turn));
+            return uint32_t((v | v << 24) >> (8*firstCorner));
           }
         };
 
         /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. news: without the first
          *  three entries, which are always new. */
         static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
-                                          uint64_t turns, uint64_t news, BitReader repeats, uint32_t repeatBits,
+                                          uint64_t firstCorners, uint64_t news, BitReader repeats, uint32_t repeatBits,
                                           uint8_t (*corners)[16])
         {
           memset(corners,0,sizeof(corners[0])*3);
@@ -141,7 +141,7 @@ namespace embree
             news >>= 1;
             return isNew ? fresh++ : repeats.read(repeatBits);
           };
-          for (uint32_t t=0; t<count; t++, turns>>=2)
+          for (uint32_t t=0; t<count; t++, firstCorners>>=2)
           {
             if ((restarts >> t) & 1) {
               strip.a = next();
@@ -151,7 +151,7 @@ namespace embree
             }
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
             if (t < first || t-first >= 16) continue;
-            const uint32_t v = strip.corners(uint32_t(turns) & 3);
+            const uint32_t v = strip.corners(uint32_t(firstCorners) & 3);
             for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // also below 32 in damaged blocks
           }
         }
@@ -186,7 +186,7 @@ namespace embree
 
         /*! decodeStripsSerially for up to 16 triangles, one per byte, whose stream has up to 32 entries, up to 8 of
          *  them not new. Bit 0 of `restarts` must be set. news: of all entries. */
-        static __forceinline void decodeStripsInParallel (uint32_t restarts, uint32_t fans, uint32_t turns,
+        static __forceinline void decodeStripsInParallel (uint32_t restarts, uint32_t fans, uint32_t firstCorners,
                                                           uint32_t news, uint64_t repeats, uint32_t repeatBits,
                                                           uint8_t (*corners)[16])
         {
@@ -230,18 +230,18 @@ namespace embree
           const __m128i a = entryAt(oldest), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
           const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
 
-          // two bits of `turns` per triangle
+          // two bits of `firstCorners` per triangle
           const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
-          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),quarters);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(firstCorners)),quarters);
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
           const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
             is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
-          auto turn = [&](__m128i x, __m128i y, __m128i z) { // also below 32 in damaged blocks
+          auto rotate = [&](__m128i x, __m128i y, __m128i z) { // also below 32 in damaged blocks
             return _mm_and_si128(_mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2),_mm_set1_epi8(31));
           };
-          _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
-          _mm_store_si128((__m128i*)corners[1],turn(q,r,p));
-          _mm_store_si128((__m128i*)corners[2],turn(r,p,q));
+          _mm_store_si128((__m128i*)corners[0],rotate(p,q,r));
+          _mm_store_si128((__m128i*)corners[1],rotate(q,r,p));
+          _mm_store_si128((__m128i*)corners[2],rotate(r,p,q));
         }
 #endif
 
@@ -418,7 +418,7 @@ namespace embree
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),fiveBits);
             // 31 means 32, see groupNumberBits
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,fiveBits));
-            // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
+            // restarts, fans, first corners, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),

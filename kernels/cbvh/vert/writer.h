@@ -178,7 +178,7 @@ namespace embree
       {
         if (!patch.numbers) return patchPlacement(patch,x,y,w,h);
         numbers.choosePattern(*patch.numbers,x,y,w,h);
-        return cbvh::VertPlacement(cbvh::packRegion(w,h,x,y),numbers.form,numbers.pattern);
+        return cbvh::VertPlacement(cbvh::packRegion(w,h,x,y),numbers.numbering,numbers.pattern);
       }
 
       /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */

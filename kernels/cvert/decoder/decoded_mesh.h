@@ -51,7 +51,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t restarts = bits(at.restarts,numTriangles-1) << 1 | 1, fans = bits(at.fans,numTriangles-1) << 1;
       for (uint32_t t=0; t<numTriangles; t++)
       {
-        const StripTriangle triangle = stripTriangle(restarts,fans,bits(at.turns+2*t,2),t);
+        const StripTriangle triangle = stripTriangle(restarts,fans,bits(at.firstCorners+2*t,2),t);
         const uint32_t positionsInStream[3] = { triangle.v0,triangle.v1,triangle.v2 };
         for (uint32_t c=0; c<3; c++) {
           indices[c][t] = stream[positionsInStream[c]];

@@ -180,14 +180,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     static Reason validateNumbers(const VertHeader& header)
     {
-      const uint32_t form = header.patchQuads;
-      const bool isTableOfTriangles = patternOfNumbers(form) == numbersInTriangleTable;
-      if (form >> 17 || (haveTrianglePairs(form) && (isTableOfTriangles || !isTriangleForm(form)
-        || isSingleTriangleForm(form))))
-        return Reason::unsupported("the form of its numbers, %, is unknown",form);
-      if (isTableOfTriangles && (!isTriangleForm(form) || isSingleTriangleForm(form)
-        || (form & formOfFirstCorners(3,3))))
-        return Reason::unsupported("the form of its table of triangles, %, is unknown",form);
+      const uint32_t numbering = header.patchQuads;
+      const bool isTableOfTriangles = patternOfNumbers(numbering) == numbersInTriangleTable;
+      if (numbering >> 17 || (haveTrianglePairs(numbering) && (isTableOfTriangles || !isTriangleNumbering(numbering)
+        || isSingleTriangleNumbering(numbering))))
+        return Reason::unsupported("its numbering, %, is unknown",numbering);
+      if (isTableOfTriangles && (!isTriangleNumbering(numbering) || isSingleTriangleNumbering(numbering)
+        || (numbering & packFirstCorners(3,3))))
+        return Reason::unsupported("the numbering with a table of triangles, %, is unknown",numbering);
       for (bool isSecond : { false,true })
         if (firstCornerOfTriangle(header.patchQuads,isSecond) > 2)
           return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
@@ -197,9 +197,9 @@ namespace cvert { inline namespace CVERT_ISA
     /*! end: end of all sections before the table. */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
-      const uint32_t form = header.patchQuads;
+      const uint32_t numbering = header.patchQuads;
       if (!hasNumbers(header.info)) return Reason();
-      if (haveTrianglePairs(form)) {
+      if (haveTrianglePairs(numbering)) {
         const VertNumbers stored = storedNumbersOf(&header);
         if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
           return Reason::damaged("the numbers of its second triangles begin at %: expected a multiple of 4 from % on, "
@@ -207,16 +207,16 @@ namespace cvert { inline namespace CVERT_ISA
         end = size_t(stored.x) + sizeof(VertTrianglePairs);
         if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %",bytes,end);
       }
-      if (!haveTable(form)) return Reason();
+      if (!haveTable(numbering)) return Reason();
       const VertNumbers numbers = numbersOf(&header);
       if (numbers.x < end)
         return Reason::damaged("its table of numbers begins at %: expected % or later",numbers.x,end);
       if (numbers.y > 32u)
         return Reason::damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
-      const uint32_t entries = vertQuadsX(header.region)*vertQuadsY(header.region)*entriesPerQuad(form);
+      const uint32_t entries = vertQuadsX(header.region)*vertQuadsY(header.region)*entriesPerQuad(numbering);
       const size_t needed = size_t(numbers.x) + bytesOfNumberTable(entries,numbers.y);
       if (bytes < needed) return Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed);
-      return patternOfNumbers(form) == numbersInTriangleTable ? validateFirstCorners(header) : Reason();
+      return patternOfNumbers(numbering) == numbersInTriangleTable ? validateFirstCorners(header) : Reason();
     }
 
     /*! Requires a table of triangles within the block. */
@@ -225,7 +225,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t y=0; y<vertQuadsY(header.region); y++)
         for (uint32_t x=0; x<vertQuadsX(header.region); x++)
           for (bool isSecond : { false,true })
-            if (firstCornerOfTriangle(primitiveOfQuad(&header,x,y,isSecond).form,isSecond) > 2)
+            if (firstCornerOfTriangle(primitiveOfQuad(&header,x,y,isSecond).numbering,isSecond) > 2)
               return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
     }

@@ -178,7 +178,7 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("group % starts more or fewer strips than its record counts",g);
       if (restarts & fans) return Reason::damaged("a triangle of group % starts a strip and is part of a fan",g);
       for (uint32_t t=0; t<triangles; t++)
-        if (bits(at.turns+2*t,2) > 2)
+        if (bits(at.firstCorners+2*t,2) > 2)
           return Reason::damaged("a triangle of group % is turned by 3 corners: expected 0 to 2",g);
       if (countBits(bits(at.owns,vertices)) != groupOwnVertices(record))
         return Reason::damaged("group % owns more or fewer vertices than its record counts",g);

@@ -29,9 +29,9 @@ namespace cvert { inline namespace CVERT_ISA
     VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges)
       : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
-    /*! Stores the form of the numbers instead of the patch's size. */
-    VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers)
-      : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
+    /*! Stores the numbering of quads instead of the patch's size. */
+    VertPlacement (uint32_t region, uint32_t numbering, const VertNumbers& numbers)
+      : region(region), patchQuads(numbering), hasNumbers(true), numbers(numbers) {}
 
     uint32_t info () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
   };

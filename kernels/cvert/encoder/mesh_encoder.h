@@ -90,7 +90,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t triangles, vertices, owned, restarts, repeats, others, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
       uint64_t newMask;                                        //!< a bit per entry of the stream
-      uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
+      uint8_t firstCorners[maxGroupTriangles], repeated[3*maxGroupTriangles];
       uint16_t numbers[maxGroupVertices];                      //!< vertices, as indices in the block
       uint32_t triangleNumbers[maxGroupTriangles];
       uint32_t lower[3], extent[3];                            //!< box of the group
@@ -199,7 +199,7 @@ namespace cvert { inline namespace CVERT_ISA
         group.numbers[group.vertices++] = number;
       }
       for (uint32_t t=0; t<count; t++) {
-        group.turns[t] = strips.turns[t];
+        group.firstCorners[t] = strips.firstCorners[t];
         group.triangleNumbers[t] = triangles[strips.order[t]].number;
       }
       numTriangles += count;
@@ -393,7 +393,7 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t stream = streamLength(group.triangles,group.restarts), repeatBits = bitWidth(group.vertices-1);
         topology.write(group.restartMask >> 1,group.triangles-1);
         topology.write(group.fanMask >> 1,group.triangles-1);
-        for (uint32_t t=0; t<group.triangles; t++) topology.write(group.turns[t],2);
+        for (uint32_t t=0; t<group.triangles; t++) topology.write(group.firstCorners[t],2);
         const uint64_t news = group.newMask >> 3;
         topology.write(uint32_t(news),std::min(stream-3,32u));
         if (stream-3 > 32) topology.write(uint32_t(news >> 32),stream-3-32);

@@ -17,7 +17,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numTriangles, streamSize, numRestarts; //!< the first strip is not a restart
     uint8_t order[maxGroupTriangles];               //!< triangles, as input indices
     uint8_t stream[3*maxGroupTriangles];            //!< vertices, as input indices
-    uint8_t turns[maxGroupTriangles];
+    uint8_t firstCorners[maxGroupTriangles];
     uint32_t restarts, fans;                        //!< a bit per triangle in `order`; bit 0 is 0
 
     /*! corners: indices below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
@@ -73,7 +73,7 @@ namespace cvert { inline namespace CVERT_ISA
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
-      turns[numTriangles] = uint8_t(own[0] == first ? 0 : own[0] == second ? 1 : 2);
+      firstCorners[numTriangles] = uint8_t(own[0] == first ? 0 : own[0] == second ? 1 : 2);
       order[numTriangles++] = uint8_t(t);
       left &= ~(1u << t);
     }
@@ -84,11 +84,11 @@ namespace cvert { inline namespace CVERT_ISA
       // The strip cannot continue across edge a b. Prefers an edge without neighbor as a b, if another edge has one.
       left &= ~(1u << t);
       const uint8_t* own = corners[t];
-      uint32_t neighbors[3], turn = 0;
+      uint32_t neighbors[3], start = 0;
       for (int e=0; e<3; e++) neighbors[e] = withEdge(own[(e+1)%3],own[e]);
-      while (turn < 2 && (neighbors[turn] != 0 || (neighbors[(turn+1)%3] | neighbors[(turn+2)%3]) == 0)) turn++;
-      if (neighbors[turn] != 0 && (neighbors[(turn+1)%3] | neighbors[(turn+2)%3]) == 0) turn = (turn+1)%3;
-      uint8_t a = own[turn], b = own[(turn+1)%3], c = own[(turn+2)%3];
+      while (start < 2 && (neighbors[start] != 0 || (neighbors[(start+1)%3] | neighbors[(start+2)%3]) == 0)) start++;
+      if (neighbors[start] != 0 && (neighbors[(start+1)%3] | neighbors[(start+2)%3]) == 0) start = (start+1)%3;
+      uint8_t a = own[start], b = own[(start+1)%3], c = own[(start+2)%3];
       if (numTriangles != 0) { restarts |= 1u << numTriangles; numRestarts++; }
       stream[streamSize++] = a; stream[streamSize++] = b; stream[streamSize++] = c;
       bool isFlipped = false;

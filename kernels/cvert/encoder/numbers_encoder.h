@@ -15,14 +15,14 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Primitive numbers of a patch's quads. */
   struct QuadNumbers
   {
-    uint32_t form;                 //!< without pattern, and without turns if `turns` is not empty
+    uint32_t numbering;            //!< without pattern, and without first corners if `firstCorners` is not empty
     unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` has the turns.
-     * Otherwise numbers must be less than 2^30. */
+    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `numbering` contains the
+     * first corners. Otherwise numbers must be less than 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
-    std::vector<uint8_t> turns;    //!< bits 4..7 of forms
+    std::vector<uint8_t> firstCorners; //!< bits 4..7 of numberings
   };
 
   /*! Call choosePattern() before the block is encoded, and finish() afterwards. */
@@ -32,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Upper bound of the bytes that finish() adds and clears after the block. */
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
-    uint32_t form;             //!< for VertHeader::patchQuads
+    uint32_t numbering;        //!< for VertHeader::patchQuads
     VertNumbers pattern;       //!< numbers to store after the header
 
     /*! Chooses the pattern for the block of width x height quads at quad x0, y0 of the patch. */
@@ -44,30 +44,30 @@ namespace cvert { inline namespace CVERT_ISA
       highest = 0;
       copy(patch.numbers,patch.width,x0,y0,numbers);
       extend(numbers);
-      uint32_t blockForm = patch.form;
+      uint32_t blockNumbering = patch.numbering;
       if (!patch.seconds.empty())
       {
         uint32_t seconds[vertBlockQuads*vertBlockQuads];
-        uint8_t turns[vertBlockQuads*vertBlockQuads];
+        uint8_t firstCorners[vertBlockQuads*vertBlockQuads];
         copy(patch.seconds,patch.width,x0,y0,seconds);
-        copy(patch.turns,patch.width,x0,y0,turns);
+        copy(patch.firstCorners,patch.width,x0,y0,firstCorners);
         distance = seconds[0]-numbers[0];
         bool isUniform = true;
         for (unsigned i=0; i<width*height; i++)
-          isUniform = isUniform && seconds[i]-numbers[i] == distance && turns[i] == turns[0];
+          isUniform = isUniform && seconds[i]-numbers[i] == distance && firstCorners[i] == firstCorners[0];
         if (!isUniform) {
           extend(seconds);
           for (unsigned i=0; i<width*height; i++) {
-            entries[2*i] = (numbers[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],false);
-            entries[2*i+1] = (seconds[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],true);
+            entries[2*i] = (numbers[i]-lowest) << firstCornerBits | firstCornerOfTriangle(firstCorners[i],false);
+            entries[2*i+1] = (seconds[i]-lowest) << firstCornerBits | firstCornerOfTriangle(firstCorners[i],true);
           }
-          return setTable(patch.form,numbersInTriangleTable);
+          return setTable(patch.numbering,numbersInTriangleTable);
         }
-        blockForm |= turns[0] | (distance == 1 ? 0 : numbersOfTrianglePairs);
+        blockNumbering |= firstCorners[0] | (distance == 1 ? 0 : numbersOfTrianglePairs);
       }
-      if (tryRows(blockForm) || tryRecursive(blockForm)) return;
+      if (tryRows(blockNumbering) || tryRecursive(blockNumbering)) return;
       for (unsigned i=0; i<width*height; i++) entries[i] = numbers[i]-lowest;
-      setTable(blockForm,numbersInTable);
+      setTable(blockNumbering,numbersInTable);
     }
 
     /*! Sets the base of the numbers, and appends VertTrianglePairs and the table if necessary. bytes: size of the
@@ -75,8 +75,8 @@ namespace cvert { inline namespace CVERT_ISA
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = base;
-      if (haveTrianglePairs(form)) bytes = writeTrianglePairs((uint8_t*)header,bytes);
-      return haveTable(form) ? writeTable((uint8_t*)header,bytes) : bytes;
+      if (haveTrianglePairs(numbering)) bytes = writeTrianglePairs((uint8_t*)header,bytes);
+      return haveTable(numbering) ? writeTable((uint8_t*)header,bytes) : bytes;
     }
 
   private:
@@ -94,10 +94,10 @@ namespace cvert { inline namespace CVERT_ISA
     size_t writeTable (uint8_t* block, size_t bytes) const
     {
       const VertNumbers table = { uint32_t(bytes),pattern.y };
-      memcpy(block + (haveTrianglePairs(form) ? bytes-sizeof(VertTrianglePairs)
+      memcpy(block + (haveTrianglePairs(numbering) ? bytes-sizeof(VertTrianglePairs)
         : vertHeaderBytes),&table,sizeof(table));
       uint8_t* const out = block+bytes;
-      const unsigned count = width*height*entriesPerQuad(form);
+      const unsigned count = width*height*entriesPerQuad(numbering);
       const size_t size = (bytesOfNumberTable(count,table.y)+3) & ~size_t(3);
       memset(out,0,size+sizeof(uint64_t));
       for (unsigned i=0; i<count; i++)
@@ -122,22 +122,22 @@ namespace cvert { inline namespace CVERT_ISA
       highest = std::max(highest,*std::max_element(values,values+width*height));
     }
 
-    bool tryRows (uint32_t formOfBlock)
+    bool tryRows (uint32_t blockNumbering)
     {
-      form = formOfBlock | numbersInRows;
+      numbering = blockNumbering | numbersInRows;
       base = numbers[0];
       pattern.x = width > 1 ? numbers[1]-base : 0;
       pattern.y = height > 1 ? numbers[width]-base : 0;
       return matches();
     }
 
-    bool tryRecursive (uint32_t formOfBlock)
+    bool tryRecursive (uint32_t blockNumbering)
     {
-      const uint32_t step = isTriangleForm(formOfBlock) && !haveTrianglePairs(formOfBlock) ? 2 : 1;
+      const uint32_t step = isTriangleNumbering(blockNumbering) && !haveTrianglePairs(blockNumbering) ? 2 : 1;
       auto code = [&](unsigned i) { return (numbers[i]-lowest)/step; };
       if ((highest-lowest)/step > 255) return false;
       base = lowest;
-      form = formOfBlock | numbersRecursive | code(0) << 8;
+      numbering = blockNumbering | numbersRecursive | code(0) << 8;
       pattern.x = pattern.y = 0;
       for (unsigned i=0; i<maxVertLevel; i++) {
         if ((1u << i) < width) pattern.x |= (code(1u << i)^code(0)) << (8*i);
@@ -146,13 +146,13 @@ namespace cvert { inline namespace CVERT_ISA
       return matches();
     }
 
-    void setTable (uint32_t formOfBlock, uint32_t kind)
+    void setTable (uint32_t blockNumbering, uint32_t kind)
     {
-      form = formOfBlock | kind;
+      numbering = blockNumbering | kind;
       base = lowest;
       pattern.x = 0; // set by writeTable
       pattern.y = 0;
-      const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(form));
+      const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(numbering));
       while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
     }
 
@@ -160,7 +160,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (unsigned y=0; y<height; y++)
         for (unsigned x=0; x<width; x++)
-          if (base + patternNumber(form,pattern,x,y) != numbers[y*width+x]) return false;
+          if (base + patternNumber(numbering,pattern,x,y) != numbers[y*width+x]) return false;
       return true;
     }
 

@@ -65,7 +65,7 @@ struct VertHeader
   uint32_t surface;       //!< surface number, see limits.h
   uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
   uint32_t region;        //!< size and position in the patch: see packRegion
-  uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or form of the numbers (quad_numbers.h)
+  uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or numbering (quad_numbers.h)
   uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
                           //!< cornerBits for the other 2 bits
   uint32_t info;          //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
@@ -409,29 +409,30 @@ CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, u
 {
   VertTrianglePairs pairs = trianglePairsOf(block);
   VertNumbers numbers = pairs.numbers;
-  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
+  uint32_t numbering = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
   uint32_t region = CVERT_AT(VertHeader,block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
   x = x < quadsX ? x : quadsX-1u;
   y = y < quadsY ? y : quadsY-1u;
   QuadPrimitive primitive;
-  primitive.form = form;
+  primitive.numbering = numbering;
   uint32_t number;
-  if (!haveTable(form)) number = patternNumber(form,numbers,x,y);
+  if (!haveTable(numbering)) number = patternNumber(numbering,numbers,x,y);
   else {
-    uint32_t entry = (y*quadsX + x)*entriesPerQuad(form);
-    if (patternOfNumbers(form) == numbersInTriangleTable && isSecond) entry++;
+    uint32_t entry = (y*quadsX + x)*entriesPerQuad(numbering);
+    if (patternOfNumbers(numbering) == numbersInTriangleTable && isSecond) entry++;
     uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*entry,numbers.y);
     number = numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
-    if (patternOfNumbers(form) == numbersInTriangleTable) {
-      uint32_t turn = number & ((1u << firstCornerBits) - 1u);
-      primitive.form = form | formOfFirstCorners(turn,turn);
+    if (patternOfNumbers(numbering) == numbersInTriangleTable) {
+      uint32_t firstCorner = number & ((1u << firstCornerBits) - 1u);
+      primitive.numbering = numbering | packFirstCorners(firstCorner,firstCorner);
       primitive.primID = first + (number >> firstCornerBits);
       return primitive;
     }
   }
   primitive.primID = first + number;
-  if (isTriangleForm(form) && !isSingleTriangleForm(form) && isSecond) primitive.primID += pairs.distance;
+  if (isTriangleNumbering(numbering) && !isSingleTriangleNumbering(numbering) && isSecond)
+    primitive.primID += pairs.distance;
   return primitive;
 }
 

@@ -160,15 +160,15 @@ CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { r
  *
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
- *   turns         2 bits per triangle, 0 to 2: how the stream's order is rotated, see stripTriangle
+ *   firstCorners  2 bits per triangle, 0 to 2: where the application's triangle begins, see stripTriangle
  *   news          a bit per vertex of the stream from 3 on: it is new and gets the group's next number
  *   owns          a bit per vertex of the group: it belongs to the group
  *   repeats       for each other vertex of the stream: its number in the group
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< bit offsets in the group's topology
-  uint32_t repeatBits, otherBits;                             //!< bits per entry
+  uint32_t restarts, fans, firstCorners, news, owns, repeats, others; //!< bit offsets in the group's topology
+  uint32_t repeatBits, otherBits;                              //!< bits per entry
   uint32_t bits;                                               //!< of the whole topology
 };
 
@@ -176,18 +176,18 @@ struct MeshTopology
 CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
-    locals = groupVertices(record);
+    numVertices = groupVertices(record);
   MeshTopology at;
-  at.repeatBits = bitsForIndex(locals);
+  at.repeatBits = bitsForIndex(numVertices);
   at.otherBits = bitsForIndex(vertices);
   at.restarts = 0u;
   at.fans = triangles-1u;
-  at.turns = at.fans + triangles-1u;
-  at.news = at.turns + 2u*triangles;
+  at.firstCorners = at.fans + triangles-1u;
+  at.news = at.firstCorners + 2u*triangles;
   at.owns = at.news + stream-3u;
-  at.repeats = at.owns + locals;
-  at.others = at.repeats + (stream-locals)*at.repeatBits;
-  at.bits = at.others + (locals-groupOwnVertices(record))*at.otherBits;
+  at.repeats = at.owns + numVertices;
+  at.others = at.repeats + (stream-numVertices)*at.repeatBits;
+  at.bits = at.others + (numVertices-groupOwnVertices(record))*at.otherBits;
   return at;
 }
 
@@ -242,9 +242,9 @@ CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
 /*! Positions of a triangle's vertices in the stream, in the application's order. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! Finds triangle t without decoding the triangles before it. Bit 0 must be set in restarts and clear in fans. turn: of
- *  triangle t. */
-CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
+/*! Finds triangle t without decoding the triangles before it. Bit 0 must be set in restarts and clear in fans.
+ *  firstCorner: of triangle t. */
+CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t firstCorner, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo);
@@ -255,9 +255,9 @@ CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, ui
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
   uint32_t a = (flips & 1u) != 0u ? last-1u : first, b = (flips & 1u) != 0u ? first : last-1u;
   StripTriangle triangle;
-  triangle.v0 = turn == 0u ? a : turn == 1u ? b : last;
-  triangle.v1 = turn == 0u ? b : turn == 1u ? last : a;
-  triangle.v2 = turn == 0u ? last : turn == 1u ? a : b;
+  triangle.v0 = firstCorner == 0u ? a : firstCorner == 1u ? b : last;
+  triangle.v1 = firstCorner == 0u ? b : firstCorner == 1u ? last : a;
+  triangle.v2 = firstCorner == 0u ? last : firstCorner == 1u ? a : b;
   return triangle;
 }
 

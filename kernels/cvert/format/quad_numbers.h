@@ -8,15 +8,14 @@
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
  *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
  *   table       any order of quads; per quad: its number minus the lowest
- *   triangles   any order of triangles; per triangle: its number minus the lowest, and its turn
+ *   triangles   any order of triangles; per triangle: its number minus the lowest, and its first corner
  *
- * Bit 30 of VertHeader::info marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the form
- * of the numbers, and primID their base.
+ * Bit 30 of VertHeader::info marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the
+ * numbering, a word with the pattern and its settings, and primID the base of the numbers.
  *
  * The number of a quad of two triangles is the number of its first triangle. The second triangle's number is higher by
- * 1, or by VertTrianglePairs::distance, if the application lists all first triangles before all second ones. A
- * triangle's turn, the corner with which the application's triangle begins, determines its parameters. The form or the
- * table stores turns. */
+ * 1, or by VertTrianglePairs::distance, if the application lists all first triangles before all second ones. The first
+ * corner of the application's triangle determines its parameters. The numbering or the table stores it. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -44,8 +43,8 @@ CVERT_READABLE(VertTrianglePairs,4)
 
 CVERT_FUNCTION bool hasNumbers (uint32_t info) { return ((info >> 30) & 1u) != 0u; }
 
-/* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: turns of the first and the second triangle;
- * 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */
+/* Numbering: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: first corner of the first and of the
+ * second triangle; 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */
 CVERT_CONSTANT uint32_t numbersInRows = 0u;
 CVERT_CONSTANT uint32_t numbersRecursive = 1u;
 CVERT_CONSTANT uint32_t numbersInTable = 2u;
@@ -54,32 +53,32 @@ CVERT_CONSTANT uint32_t numbersOfTriangles = 4u;
 CVERT_CONSTANT uint32_t numbersOfOneTriangle = 8u;
 CVERT_CONSTANT uint32_t numbersOfTrianglePairs = 1u << 16;
 
-CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
-CVERT_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
-CVERT_FUNCTION bool haveTrianglePairs (uint32_t form) { return (form & numbersOfTrianglePairs) != 0u; }
-CVERT_FUNCTION bool isTriangleForm (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
-CVERT_FUNCTION bool isSingleTriangleForm (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
-CVERT_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
-CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
+CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t numbering) { return numbering & 3u; }
+CVERT_FUNCTION bool haveTable (uint32_t numbering) { return patternOfNumbers(numbering) >= numbersInTable; }
+CVERT_FUNCTION bool haveTrianglePairs (uint32_t numbering) { return (numbering & numbersOfTrianglePairs) != 0u; }
+CVERT_FUNCTION bool isTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfTriangles) != 0u; }
+CVERT_FUNCTION bool isSingleTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfOneTriangle) != 0u; }
+CVERT_FUNCTION uint32_t packFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
+CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t numbering, bool isSecond) { return (numbering >> (isSecond ? 6
   : 4)) & 3u; }
 
-/*! Number of quad x, y, minus VertHeader::primID. Requires a form without table. */
-CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
+/*! Number of quad x, y, minus VertHeader::primID. Requires a numbering without table. */
+CVERT_FUNCTION uint32_t patternNumber (uint32_t numbering, VertNumbers numbers, uint32_t x, uint32_t y)
 {
-  if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
-  uint32_t code = (form >> 8) & 255u;
+  if (patternOfNumbers(numbering) == numbersInRows) return numbers.x*x + numbers.y*y;
+  uint32_t code = (numbering >> 8) & 255u;
   for (uint32_t i=0u; i<4u; i++) {
     if (((x >> i) & 1u) != 0u) code ^= (numbers.x >> (8u*i)) & 255u;
     if (((y >> i) & 1u) != 0u) code ^= (numbers.y >> (8u*i)) & 255u;
   }
-  return isTriangleForm(form) && !haveTrianglePairs(form) ? 2u*code : code;
+  return isTriangleNumbering(numbering) && !haveTrianglePairs(numbering) ? 2u*code : code;
 }
 
-/*! Lowest bits of an entry in a table of triangles that store the turn. 30 bits remain for the number. */
+/*! Lowest bits of an entry in a table of triangles that store the first corner. 30 bits remain for the number. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
-CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
-  return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
+CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t numbering) {
+  return patternOfNumbers(numbering) == numbersInTriangleTable ? 2u : 1u;
 }
 
 /*! Size of a table without padding. Readers may read 32 bits after its end. */
@@ -89,25 +88,26 @@ CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { r
 struct QuadPrimitive
 {
   uint32_t primID;
-  uint32_t form; //!< of its block, with this triangle's turn
+  uint32_t numbering; //!< of its block, with this triangle's first corner
 };
 
 /*! Parameters of a point on a primitive of the application. */
 struct PrimitiveParameters { float u, v; };
 
-/*! Converts position a, b in a quad to parameters of the application's quad or triangle. form: of QuadPrimitive. */
-CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t form, bool isSecond, float a, float b)
+/*! Converts position a, b in a quad to parameters of the application's quad or triangle. numbering: of
+ *  QuadPrimitive. */
+CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t numbering, bool isSecond, float a, float b)
 {
   PrimitiveParameters parameters;
   parameters.u = a;
   parameters.v = b;
-  if (!isTriangleForm(form)) return parameters;
+  if (!isTriangleNumbering(numbering)) return parameters;
   // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
-  uint32_t turn = firstCornerOfTriangle(form,isSecond);
-  parameters.u = turn == 0u ? w1 : turn == 1u ? w2 : w0;
-  parameters.v = turn == 0u ? w2 : turn == 1u ? w0 : w1;
+  uint32_t firstCorner = firstCornerOfTriangle(numbering,isSecond);
+  parameters.u = firstCorner == 0u ? w1 : firstCorner == 1u ? w2 : w0;
+  parameters.v = firstCorner == 0u ? w2 : firstCorner == 1u ? w0 : w1;
   return parameters;
 }
 

@@ -476,7 +476,7 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
   uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
   QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
-  PrimitiveParameters own = primitiveParameters(primitive.form,isSecond,clampParameter(at.a),clampParameter(at.b));
+  PrimitiveParameters own = primitiveParameters(primitive.numbering,isSecond,clampParameter(at.a),clampParameter(at.b));
   SurfacePoint point;
   point.primID = primitive.primID;
   point.u = own.u;

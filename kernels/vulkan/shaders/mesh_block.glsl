@@ -195,7 +195,7 @@ struct CbvhMeshGroup
   uint restarts, fans;          // masks of triangles
   uvec2 news;                   // mask of entries
   uint owns;                    // mask of vertices
-  uint turns, repeats, others;  // first bits, from the start of the block
+  uint firstCorners, repeats, others;  // first bits, from the start of the block
   uint repeatBits, otherBits;
 };
 
@@ -214,7 +214,7 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   group.news.x = (cbvhMeshBits(block, first + topology.news, low) << 3) | 7u;
   group.news.y = cbvhMeshBits(block, first + topology.news + low, group.stream - 3u - low);
   group.owns = cbvhMeshBits(block, first + topology.owns, groupVertices(record));
-  group.turns = first + topology.turns;
+  group.firstCorners = first + topology.firstCorners;
   group.repeats = first + topology.repeats;
   group.others = first + topology.others;
   group.repeatBits = topology.repeatBits;
@@ -296,7 +296,8 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
 bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
-  StripTriangle entries = stripTriangle(group.restarts, group.fans, cbvhMeshBits(block, group.turns + 2u*t, 2u), t);
+  StripTriangle entries = stripTriangle(group.restarts, group.fans,
+                                        cbvhMeshBits(block, group.firstCorners + 2u*t, 2u), t);
   vec3 a = vec3(0.0), b = vec3(0.0), c = vec3(0.0);
   [[dont_unroll]] for (int i = 0; i < 3; i++) {
     a = b;
