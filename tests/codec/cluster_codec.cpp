@@ -246,7 +246,7 @@ TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
     grid.fill(random, 0, 1 << 20, 4 + random.below(12));
     const QuadTriangles triangles(grid.points(), grid.width, {0, 0, grid.width - 1, grid.height - 1}, true);
     ASSERT_TRUE(place(grid, *points));
-    if (!triangles.isWhole || points->exponent != 127) continue;
+    if (!triangles.isComplete || points->exponent != 127) continue;
     const bool hasRoom = test::hasRoom(grid, 0, bitsPerIndex(grid.width - 1, grid.height - 1));
     if (!block->write(triangles, *points, 0)) {
       refused++;
@@ -307,7 +307,7 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
         for (uint32_t i = 0; i < width; i++) covered.at((y + j)*(grid.width - 1) + x + i)++;
       ASSERT_LE((width + 1)*(height + 1), 64u);
       QuadTriangles triangles(grid.points(), grid.width, {x, y, width, height}, true);
-      if (hasGaps || !triangles.isWhole) return;
+      if (hasGaps || !triangles.isComplete) return;
       for (uint32_t i = 0; i < triangles.numVertices; i++)
         triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x +
                                 triangles.vertices[i] % (width + 1);

@@ -236,9 +236,9 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
       if (!writer) { usleep(200); continue; } // another process holds it
       commits++;
       const bool isNew = rtcGetCompressedFileWriterGeometryCount(writer) == 0;
-      const bool isWhole =
+      const bool isComplete =
         isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
-      spoiled += !isWhole;
+      spoiled += !isComplete;
       rtcReleaseCompressedFileWriter(writer);
     }
     _exit(commits < rounds || renameCalls < rounds ? 101 : std::min(spoiled, 100));

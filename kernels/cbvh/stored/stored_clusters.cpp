@@ -129,7 +129,7 @@ namespace embree
             else { halves[0].height /= 2; halves[1].y += halves[0].height; halves[1].height -= halves[0].height; }
             return emitDgf(rect,halves[0]) && emitDgf(rect,halves[1]);
           }
-          triangles.isWhole = false;
+          triangles.isComplete = false;
           triangles.numVertices = block.numVertices;
           memcpy(triangles.indices,block.indices,3*triangles.numTriangles);
           memcpy(data,block.bytes,sizeof(block.bytes));
@@ -149,13 +149,13 @@ namespace embree
           cluster.indices = triangles.indices[0];
           cluster.triangles = triangles.triangles;
           cluster.firstTriangle = unsigned(report.numTriangles);
-          if (triangles.isWhole) { cluster.width = square.width+1; cluster.height = square.height+1; }
+          if (triangles.isComplete) { cluster.width = square.width+1; cluster.height = square.height+1; }
           cluster.part = part;
           report.numClusters++;
           report.numTriangles += cluster.numTriangles;
           report.numVertices += cluster.numVertices;
           report.bytes += bytes;
-          if (!triangles.isWhole && format != ClusterFormat::DGF1) report.indexBytes += 3*cluster.numTriangles;
+          if (!triangles.isComplete && format != ClusterFormat::DGF1) report.indexBytes += 3*cluster.numTriangles;
           report.numClustersOf[int(reason)]++;
           report.numTrianglesOf[int(reason)] += cluster.numTriangles;
           return closure(cluster);

@@ -6,7 +6,7 @@
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
  * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block.
  *
- * docs/formats/mesh_block.md defines restarts, fans, first corners, news, owns, repeats and others. */
+ * docs/formats/mesh_block.md defines restarts, fans, firstCorners, news, owns, repeats and others. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -418,7 +418,7 @@ namespace embree
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),fiveBits);
             // 31 means 32, see groupNumberBits
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,fiveBits));
-            // restarts, fans, first corners, news, owns; then repeats, and numbers of other groups' vertices
+            // restarts, fans, firstCorners, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),

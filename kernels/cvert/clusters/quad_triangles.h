@@ -28,7 +28,7 @@ namespace cvert
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
     uint32_t triangles[maxTriangles];           //!< indices in the part: 2 (quads per row * y + x), plus 1 for the
                                                 //!< second triangle of a quad
-    bool isWhole;                               //!< no vertex or triangle is missing
+    bool isComplete;                               //!< no vertex or triangle is missing
 
     /*! points: the part's vertices, in rows of `stride`, which must outlive this object. rectangle: in quads of the
      *  part. isStrip: alternates the direction of rows, so that consecutive triangles share an edge. */
@@ -67,7 +67,7 @@ namespace cvert
         }
       for (uint32_t t=0; t<numTriangles; t++)
         for (int c=0; c<3; c++) indices[t][c] = position[indices[t][c]];
-      isWhole = !isFused && numTriangles == 2*rectangle.width*rectangle.height;
+      isComplete = !isFused && numTriangles == 2*rectangle.width*rectangle.height;
     }
 
   private:

@@ -18,7 +18,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPast = 16;               // bytes after a block that shaders may read
+constexpr size_t readPadding = 16;            // bytes after a block that shaders may read
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
@@ -83,7 +83,7 @@ class BlockWriter
 {
 public:
   BlockWriter(Device& device, Uploader& uploader, size_t expected)
-    : device(device), uploader(uploader), rest(expected) {}
+    : device(device), uploader(uploader), remaining(expected) {}
 
   void write(PlacedBlock& placed)
   {
@@ -95,23 +95,23 @@ public:
     uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
     placed.address = slice.address() + used;
     used += source.bytes();
-    rest -= source.bytes();
+    remaining -= source.bytes();
   }
 
   std::vector<std::shared_ptr<Buffer>> buffers;
 
 private:
-  void addBuffer(size_t least)
+  void addBuffer(size_t minBytes)
   {
-    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
-    end = std::max(std::min(rest, longest - readPast), least);
-    buffers.emplace_back(new Buffer(device, end + readPast, Buffer::OnDevice, "blocks"));
+    const size_t maxBytes = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
+    end = std::max(std::min(remaining, maxBytes - readPadding), minBytes);
+    buffers.emplace_back(new Buffer(device, end + readPadding, Buffer::OnDevice, "blocks"));
     used = 0;
   }
 
   Device& device;
   Uploader& uploader;
-  size_t rest, used = 0, end = 0;
+  size_t remaining, used = 0, end = 0;
 };
 
 /* Uploads each block of a surface once, even if the scene contains the surface directly and in an instanced scene. */
@@ -164,14 +164,14 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
     requireValid(block);
-    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readPast : 0);
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readPadding : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
-  const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
+  const size_t maxBytes = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
   std::vector<Range> joined;
   for (const Range& range : ranges) {
-    if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest)
+    if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= maxBytes)
       joined.back().end = std::max(joined.back().end, range.end);
     else joined.push_back(range);
   }

@@ -51,8 +51,8 @@ namespace embree
        *  added. */
       bool isClearlyPoor(size_t allQuads, size_t allEdges) const
       {
-        const size_t enough = std::min(allQuads,std::max(allQuads/4,minSampleQuads));
-        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough))
+        const size_t sampleSize = std::min(allQuads,std::max(allQuads/4,minSampleQuads));
+        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),sampleSize))
           || poorEdges > maxPoorEdges*double(allEdges);
       }
 
