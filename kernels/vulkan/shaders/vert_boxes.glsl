@@ -40,7 +40,7 @@ struct CbvhVertAxes
 float cbvhShearOf (uint boxForm, int k)
 {
   int m = shearedAxis(boxForm);
-  return shearOf(boxForm, k >= m ? k - m : k - m + 3);
+  return worldShear(boxForm, k >= m ? k - m : k - m + 3);
 }
 
 CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)
