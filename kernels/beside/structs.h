@@ -17,15 +17,15 @@ namespace embree {
 namespace core {
 
 /* The member is the last one of the struct's first version, see core/struct_size.h. */
-CBVH_GROWING_STRUCT(CbvhCage, attributes);
-CBVH_GROWING_STRUCT(CbvhGrids, vertices);
-CBVH_GROWING_STRUCT(CbvhMesh, vertices);
-CBVH_GROWING_STRUCT(CbvhDicing, maxRates);
-CBVH_GROWING_STRUCT(CbvhAccuracy, pixelSize);
-CBVH_GROWING_STRUCT(CbvhInterpolation, dPdv);
-CBVH_GROWING_STRUCT(CbvhStatistics, maxVertexDeviation);
-CBVH_GROWING_STRUCT(CbvhQuery, filterPtr);
-CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
+CBVH_EXTENSIBLE_STRUCT(CbvhCage, attributes);
+CBVH_EXTENSIBLE_STRUCT(CbvhGrids, vertices);
+CBVH_EXTENSIBLE_STRUCT(CbvhMesh, vertices);
+CBVH_EXTENSIBLE_STRUCT(CbvhDicing, maxRates);
+CBVH_EXTENSIBLE_STRUCT(CbvhAccuracy, pixelSize);
+CBVH_EXTENSIBLE_STRUCT(CbvhInterpolation, dPdv);
+CBVH_EXTENSIBLE_STRUCT(CbvhStatistics, maxVertexDeviation);
+CBVH_EXTENSIBLE_STRUCT(CbvhQuery, filterPtr);
+CBVH_EXTENSIBLE_STRUCT(CbvhClusterReport, numTrianglesOf);
 
 } // namespace core
 

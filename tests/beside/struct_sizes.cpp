@@ -28,7 +28,7 @@ struct Grown
   int a, b;
   double c;
 };
-CBVH_GROWING_STRUCT(Grown, b);
+CBVH_EXTENSIBLE_STRUCT(Grown, b);
 
 // a function of the library that is not exported
 void throwInvalidArgument(const std::string& text) { throw std::invalid_argument(text); }

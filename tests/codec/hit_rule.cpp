@@ -132,13 +132,13 @@ void expectState(const Facts& facts, const Cells& row, const WalkState& next)
 }
 
 // Without a hit there is no origin to compare.
-void expectVerdict(const Facts& facts, const Cells& row, const Verdict& verdict)
+void expectResult(const Facts& facts, const Cells& row, const HitResult& result)
 {
-  EXPECT_EQ(verdict.hit, hits.at(row.at("hit")));
+  EXPECT_EQ(result.hit, hits.at(row.at("hit")));
   if (row.at("hit") != "none") {
-    EXPECT_EQ(verdict.from, facts.side(row.at("from")));
+    EXPECT_EQ(result.from, facts.side(row.at("from")));
   }
-  expectState(facts, row, verdict.next);
+  expectState(facts, row, result.next);
 }
 
 std::vector<WalkState> allStates()
@@ -222,7 +222,7 @@ TEST(HitRule, CrossingALeafMatchesTables)
     for (const LeafEvent& event : allEvents()) {
       Table& table = event.solid || event.empty ? noPatch : state.found ? after : before;
       const Facts facts = factsOf(state, event);
-      withRow(table, facts, [&](const Cells& row) { expectVerdict(facts, row, crossLeaf(state, event)); });
+      withRow(table, facts, [&](const Cells& row) { expectResult(facts, row, crossLeaf(state, event)); });
       if (HasFailure()) return;
     }
   for (const Table* table : {&noPatch, &before, &after}) table->expectEveryRowUsed();
@@ -246,7 +246,7 @@ TEST(HitRule, PassingABoxMatchesTable)
     for (bool above : {false, true}) {
       Facts facts = factsOf(state);
       facts.sides["box"] = above ? sideAbove : sideBelow;
-      withRow(table, facts, [&](const Cells& row) { expectVerdict(facts, row, passBox(state, above)); });
+      withRow(table, facts, [&](const Cells& row) { expectResult(facts, row, passBox(state, above)); });
     }
   table.expectEveryRowUsed();
 }

@@ -80,11 +80,11 @@ void main ()
       continue;
     }
     Crossing x = crossPatch(segment, patch_);
-    Verdict v = crossLeaf(state, x.event);
-    state = v.next;
-    if (v.hit == hitNone) continue;
-    float s = v.hit == hitRoot ? x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0) : x.s0;
-    if (v.hit == hitLip) {
+    HitResult result = crossLeaf(state, x.event);
+    state = result.next;
+    if (result.hit == hitNone) continue;
+    float s = result.hit == hitRoot ? x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0) : x.s0;
+    if (result.hit == hitLip) {
       Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, segment.epsilon[2]);
       LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leavesPerSide - 1u, lip);
       if (!at.hit) continue;
@@ -98,7 +98,7 @@ void main ()
     Vector n = worldNormal(header, p, patchSlope(patch_, 0, v_), patchSlope(patch_, 1, u));
     vec3 normal = vec3(n.x[0], n.x[1], n.x[2]);
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
-    if (isMirrored(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
+    if (isMirrored(along, dot(normal, normal), direction2, result.from)) normal -= 2.0*along/direction2*direction.xyz;
     float size = float(1u << heightOf(header.info))/float(sizes.leavesPerSide); // size of a leaf in quads
     float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling),
                                 heightOf(header.info), size*(float(mortonX(leaf)) + u));

@@ -18,7 +18,7 @@ namespace embree
     class SphereSource
     {
     public:
-      /*! the constructor argument of BuilderOf */
+      /*! the constructor argument of SourceBuilder */
       struct Mesh : public CompressibleGeometry
       {
         const unsigned quads; //!< along the edges of a face

@@ -43,7 +43,7 @@ namespace embree
         SphereSource::Mesh mesh((Device*)handle,unsigned(quads));
         const std::shared_ptr<const cbvh::SurfaceNumber> number = std::make_shared<cbvh::SurfaceNumber>();
         const CompressionPlan plan(&mesh,*number);
-        BuilderOf<SphereSource> builder(&mesh,number,plan);
+        SourceBuilder<SphereSource> builder(&mesh,number,plan);
         std::atomic<int> primitives{0}; // tasks call progress() concurrently
         const std::shared_ptr<const SurfaceBlocks> blocks = builder.build([&](double n) { primitives += int(n); });
         EXPECT_EQ(primitives,6);

@@ -102,19 +102,19 @@ namespace embree
       void patchLeaf (uint32_t m)
       {
         const Crossing<Real> x = crossPatch(segment,patch);
-        const Verdict v = crossLeaf(state,x.event);
+        const HitResult result = crossLeaf(state,x.event);
         const bool hadHit = state.found;
-        state = v.next;
+        state = result.next;
         Real s = x.s0;
-        if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
-        if (v.hit == hitLip) {
+        if (result.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
+        if (result.hit == hitLip) {
           const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
           const LipIntersection<Real> at = intersectLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leavesPerSide-1,lip);
           if (at.hit) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }
-        if (v.hit == hitNone) { if (!hadHit) rememberExit(m,x.s1); return; }
-        hit(m,patch,s,v.from);
+        if (result.hit == hitNone) { if (!hadHit) rememberExit(m,x.s1); return; }
+        hit(m,patch,s,result.from);
         state = afterHit(state);
       }
 
@@ -127,10 +127,10 @@ namespace embree
 
       void passed (bool above)
       {
-        const Verdict v = passBox(state,above);
-        state = v.next;
-        if (v.hit == hitNone) return;
-        hit(exitLeaf,exitPatch,exitS,v.from);
+        const HitResult result = passBox(state,above);
+        state = result.next;
+        if (result.hit == hitNone) return;
+        hit(exitLeaf,exitPatch,exitS,result.from);
         state = afterHit(state);
       }
 

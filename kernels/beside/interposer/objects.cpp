@@ -25,7 +25,7 @@ void Objects::addGeometry(RTCGeometry geometry, Substituted* substituted)
 }
 
 template<typename Map>
-static auto findIn(const Map& map, typename Map::key_type handle)
+static auto findOrNull(const Map& map, typename Map::key_type handle)
 {
   const auto found = map.find(handle);
   return found == map.end() ? nullptr : found->second;
@@ -34,13 +34,13 @@ static auto findIn(const Map& map, typename Map::key_type handle)
 Scene* Objects::find(RTCScene scene)
 {
   const Lock lock(mutex);
-  return findIn(scenes, scene);
+  return findOrNull(scenes, scene);
 }
 
 Geometry* Objects::find(RTCGeometry geometry)
 {
   const Lock lock(mutex);
-  return findIn(geometries, geometry);
+  return findOrNull(geometries, geometry);
 }
 
 Substituted* Objects::findSubstituted(RTCGeometry geometry)
@@ -52,13 +52,13 @@ Substituted* Objects::findSubstituted(RTCGeometry geometry)
 void Objects::retain(RTCScene scene)
 {
   const Lock lock(mutex);
-  if (Scene* const found = findIn(scenes, scene)) found->references++;
+  if (Scene* const found = findOrNull(scenes, scene)) found->references++;
 }
 
 void Objects::retain(RTCGeometry geometry)
 {
   const Lock lock(mutex);
-  if (Geometry* const found = findIn(geometries, geometry)) found->references++;
+  if (Geometry* const found = findOrNull(geometries, geometry)) found->references++;
 }
 
 void Objects::release(Geometry* geometry, Garbage& garbage)
@@ -81,7 +81,7 @@ Objects::Garbage Objects::release(RTCScene scene)
 {
   const Lock lock(mutex);
   Garbage garbage;
-  if (Scene* const found = findIn(scenes, scene)) release(found, garbage);
+  if (Scene* const found = findOrNull(scenes, scene)) release(found, garbage);
   return garbage;
 }
 
@@ -89,15 +89,15 @@ Objects::Garbage Objects::release(RTCGeometry geometry)
 {
   const Lock lock(mutex);
   Garbage garbage;
-  if (Geometry* const found = findIn(geometries, geometry)) release(found, garbage);
+  if (Geometry* const found = findOrNull(geometries, geometry)) release(found, garbage);
   return garbage;
 }
 
 void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal)
 {
   const Lock lock(mutex);
-  Scene* const target = findIn(scenes, scene);
-  Geometry* const attached = findIn(geometries, geometry);
+  Scene* const target = findOrNull(scenes, scene);
+  Geometry* const attached = findOrNull(geometries, geometry);
   if (!target || !attached || !target->attached.insert({geomID, {attached, isOriginal}}).second) return;
   attached->references++;
 }
@@ -106,7 +106,7 @@ Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID)
 {
   const Lock lock(mutex);
   Garbage garbage;
-  Scene* const from = findIn(scenes, scene);
+  Scene* const from = findOrNull(scenes, scene);
   if (!from) return garbage;
   const auto attached = from->attached.find(geomID);
   if (attached == from->attached.end()) return garbage;
@@ -120,12 +120,12 @@ Objects::Garbage Objects::setInstanced(RTCGeometry geometry, const RTCScene* ins
 {
   const Lock lock(mutex);
   Garbage garbage;
-  Geometry* const instance = findIn(geometries, geometry);
+  Geometry* const instance = findOrNull(geometries, geometry);
   if (!instance) return garbage;
   std::vector<Scene*> previous;
   previous.swap(instance->scenes);
   for (size_t i = 0; i < count; i++)
-    if (Scene* const scene = findIn(scenes, instanced[i])) {
+    if (Scene* const scene = findOrNull(scenes, instanced[i])) {
       scene->references++;
       instance->scenes.push_back(scene);
     }
@@ -167,7 +167,7 @@ bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsig
   unsigned int geomID)
 {
   const Lock lock(mutex);
-  const Scene* inner = findIn(scenes, scene);
+  const Scene* inner = findOrNull(scenes, scene);
   for (unsigned int level = 0; level < numInstances && inner; level++) {
     const auto instance = inner->attached.find(instances[level]);
     inner = instance == inner->attached.end()

@@ -115,7 +115,7 @@ namespace embree
     if (!scene->device->verbosity(1)) return;
     for (size_t geomID=0; geomID<scene->size(); geomID++)
     {
-      const CompressibleGeometry* const geometry = geometryOfTree(scene->get(geomID),moves);
+      const CompressibleGeometry* const geometry = asTreeGeometry(scene->get(geomID),moves);
       if (!geometry) continue;
       const CompressionSettings settings = geometry->compression.resolve(scene->device->compression);
       if (settings.compression == RTC_COMPRESSION_NONE) continue;

@@ -18,11 +18,11 @@ namespace embree
   namespace core
   {
     /* The member never changes: it is the last one of the struct's first version. */
-    CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
-    CBVH_GROWING_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
-    CBVH_GROWING_STRUCT(RTCCompressedFileGeometryInfo,bytes);
-    CBVH_GROWING_STRUCT(RTCDicingArguments,maxRates);
-    CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
+    CBVH_EXTENSIBLE_STRUCT(RTCCompressionArguments,progressUserPtr);
+    CBVH_EXTENSIBLE_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
+    CBVH_EXTENSIBLE_STRUCT(RTCCompressedFileGeometryInfo,bytes);
+    CBVH_EXTENSIBLE_STRUCT(RTCDicingArguments,maxRates);
+    CBVH_EXTENSIBLE_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
   }
 
   inline void require (const void* argument, const char* name) {

@@ -30,7 +30,7 @@ namespace embree
       std::unique_ptr<IrregularBlocks> irregular;
       const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
       if (parts->hasIrregular()) irregular.reset(new IrregularBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
-      return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
+      return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
     }
 
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
@@ -38,13 +38,13 @@ namespace embree
     {
       switch (geometry->ownType) {
       case Geometry::GTY_GRID_MESH:
-        return BuilderPointer(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
+        return BuilderPointer(new SourceBuilder<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
       case Geometry::GTY_QUAD_MESH:
         return newMeshBuilder<GridsOfQuadMesh>((QuadMesh*)geometry,number,plan);
       case Geometry::GTY_TRIANGLE_MESH:
         return newMeshBuilder<GridsOfTriangleMesh>((TriangleMesh*)geometry,number,plan);
       default:
-        return BuilderPointer(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
+        return BuilderPointer(new SourceBuilder<CageSource>((SubdivMesh*)geometry,number,plan));
       }
     }
 
@@ -127,7 +127,7 @@ namespace embree
         std::vector<Surface> surfaces;
         for (size_t i=0; i<scene->size(); i++)
         {
-          CompressibleGeometry* const geometry = geometryOfTree(scene->get(i),moves);
+          CompressibleGeometry* const geometry = asTreeGeometry(scene->get(i),moves);
           if (geometry && geometry->size() != 0) surfaces.emplace_back(geometry,unsigned(i));
         }
         return surfaces;

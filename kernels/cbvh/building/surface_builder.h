@@ -48,7 +48,7 @@ namespace embree
 
     /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
     template<typename Source>
-    class BuilderOf final : public SurfaceBuilder
+    class SourceBuilder final : public SurfaceBuilder
     {
       static_assert(isSource<Source>(),"see surface/source.h");
       typedef typename Source::Patch Patch;
@@ -57,8 +57,8 @@ namespace embree
     public:
       /*! mesh and plan must outlive this object. irregular: blocks of primitives that are in no grid, or null. */
       template<typename Mesh>
-      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
-                 std::unique_ptr<IrregularBlocks> irregular = nullptr)
+      SourceBuilder (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
+                     std::unique_ptr<IrregularBlocks> irregular = nullptr)
         : device(mesh->device), number(number), plan(plan), source(mesh,plan), irregular(std::move(irregular)),
           progressPerPrimitive(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks() + (this->irregular ? this->irregular->estimateBlocks() : 0)),

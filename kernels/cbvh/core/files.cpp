@@ -48,7 +48,7 @@ namespace embree
         void addTo (cvert::FileWriter& writer) const
         {
           writer.requireOpen();
-          cvert::FileSurface surface = cbvh::savedSurface(geometry,*blocks);
+          cvert::FileSurface surface = cbvh::toFileSurface(geometry,*blocks);
           writer.add(surface);
         }
       };

@@ -18,11 +18,11 @@ namespace embree
   namespace core
   {
     /*! firstSize: sizeof in the first version that has the struct. */
-    template<typename T> struct GrowingStruct;
+    template<typename T> struct ExtensibleStruct;
 
     /*! lastOfFirst: last member in the first version. Use in namespace embree::core. */
-#define CBVH_GROWING_STRUCT(T,lastOfFirst) \
-    template<> struct GrowingStruct<T> \
+#define CBVH_EXTENSIBLE_STRUCT(T,lastOfFirst) \
+    template<> struct ExtensibleStruct<T> \
     { \
       static const char* name () { return #T; } \
       static const size_t end = offsetof(T,lastOfFirst) + sizeof(((T*)nullptr)->lastOfFirst); \
@@ -30,8 +30,8 @@ namespace embree
       static_assert(offsetof(T,structSize) == 0 && firstSize <= sizeof(T),"members are appended to structSize"); \
     }
 
-    /*! GrowingStruct at run time, for functions that are no templates. */
-    struct KnownStruct
+    /*! ExtensibleStruct at run time, for functions that are no templates. */
+    struct StructInfo
     {
       const char* name;
       size_t firstSize, size;  //!< sizeof in the first version and in this one
@@ -41,12 +41,14 @@ namespace embree
     const size_t maxStructSize = 1024;
 
     /*! Implementations of requireStruct, readStruct and writeStruct. */
-    void checkStructSize (const KnownStruct& known, const void* data);
-    void copyFromApplication (const KnownStruct& known, const void* from, void* to);
-    void copyToApplication (const KnownStruct& known, void* to, const void* from);
+    void checkStructSize (const StructInfo& info, const void* data);
+    void copyFromApplication (const StructInfo& info, const void* from, void* to);
+    void copyToApplication (const StructInfo& info, void* to, const void* from);
 
     template<typename T>
-    KnownStruct knownStruct () { return KnownStruct{ GrowingStruct<T>::name(),GrowingStruct<T>::firstSize,sizeof(T) }; }
+    StructInfo structInfo () {
+      return StructInfo{ ExtensibleStruct<T>::name(),ExtensibleStruct<T>::firstSize,sizeof(T) };
+    }
 
     /*! Returns the application's struct as this version declares it: missing members are zero, structSize is sizeof(T).
      *  Also throws if a byte unknown to this version is not zero. */
@@ -54,16 +56,16 @@ namespace embree
     T readStruct (const T* from)
     {
       T to;
-      copyFromApplication(knownStruct<T>(),from,&to);
+      copyFromApplication(structInfo<T>(),from,&to);
       return to;
     }
 
     /*! Call it before computing a result for writeStruct. */
     template<typename T>
-    void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
+    void requireStruct (const T* to) { checkStructSize(structInfo<T>(),to); }
 
     /*! Writes the members that the application's struct has, except structSize, and zeros its other bytes. */
     template<typename T>
-    void writeStruct (T* to, const T& from) { copyToApplication(knownStruct<T>(),to,&from); }
+    void writeStruct (T* to, const T& from) { copyToApplication(structInfo<T>(),to,&from); }
   }
 }

@@ -92,7 +92,7 @@ namespace embree
           threadCopy->generation = generation.load(std::memory_order_relaxed);
           threadCopy->last = AddressRange{ nullptr, 0, nullptr };
         }
-        const AddressRange range = threadCopy->list ? findIn(*threadCopy->list,block) : findRegistered(block);
+        const AddressRange range = threadCopy->list ? findRange(*threadCopy->list,block) : findRegistered(block);
         if (!range.blocks) return true;
         threadCopy->last = range;
         return range.blocks->isValid(block,format);
@@ -102,7 +102,7 @@ namespace embree
         return AddressRange{ blocks->begin, blocks->bytes, blocks };
       }
 
-      static AddressRange findIn (const List& list, const void* block)
+      static AddressRange findRange (const List& list, const void* block)
       {
         const auto next = std::upper_bound(list.begin(),list.end(),block,
           [](const void* block, const AddressRange& range) { return (const char*)block < range.begin; });

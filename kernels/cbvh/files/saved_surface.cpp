@@ -125,7 +125,7 @@ namespace embree
       }
     }
 
-    FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks)
+    FileSurface toFileSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks)
     {
       FileSurface surface;
       const bool moves = geometry->numTimeSteps != 1;

@@ -18,6 +18,6 @@ namespace embree
     /*! Prepares a geometry for cvert::FileWriter. The blocks must outlive the result. Throws
      *  RTC_ERROR_INVALID_OPERATION if a part of the geometry is not compressed, a block of a file is damaged, or bounds
      *  are not finite. */
-    FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
+    FileSurface toFileSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
   }
 }

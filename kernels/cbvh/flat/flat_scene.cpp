@@ -189,7 +189,7 @@ namespace embree
         out.typeName = nameOfType(geometry->getType());
         out.mask = geometry->mask;
         out.timeSteps = geometry->numTimeSteps;
-        out.isSupported = out.timeSteps == 1 || geometryOfTree(geometry,true) != nullptr;
+        out.isSupported = out.timeSteps == 1 || asTreeGeometry(geometry,true) != nullptr;
         out.hasFilter = geometry->hasFilterFunctions();
         switch (int(geometry->getType()))
         {

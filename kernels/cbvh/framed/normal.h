@@ -34,7 +34,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
  *  faces away by less than this angle is mirrored across the ray. */
 CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
-/*! along: dot product of normal and direction. normal2, direction2: their squared lengths. from: Verdict::from of
+/*! along: dot product of normal and direction. normal2, direction2: their squared lengths. from: HitResult::from of
  *  leaf/hit_rule.h. */
 CVERT_REAL CVERT_FUNCTION bool isMirrored (Real along, Real normal2, Real direction2, uint32_t from)
 {

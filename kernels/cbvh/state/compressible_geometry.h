@@ -114,7 +114,7 @@ namespace embree
 
   /*! Returns the geometry if a scene's tree of moving, or static, blocks may contain it: it is enabled, and compressed
    *  or a static subdivision surface. Otherwise null. geometry: may be null. */
-  inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
+  inline CompressibleGeometry* asTreeGeometry (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
     CompressibleGeometry* const surface = asCompressible(geometry);

@@ -64,7 +64,7 @@ namespace embree
     bool hasCompressedGeometry (const Scene* scene, bool moves)
     {
       for (size_t i=0; i<scene->geometries.size(); i++) {
-        const CompressibleGeometry* const geometry = geometryOfTree(scene->geometries[i].ptr,moves);
+        const CompressibleGeometry* const geometry = asTreeGeometry(scene->geometries[i].ptr,moves);
         if (geometry && geometry->compression.resolve(scene->device->compression).compression != RTC_COMPRESSION_NONE)
           return true;
       }
@@ -77,7 +77,7 @@ namespace embree
       std::vector<std::pair<uint32_t,uint32_t>> ids;
       for (size_t i=0; i<scene->size(); i++)
         for (bool moves : { false,true }) {
-          CompressibleGeometry* const geometry = hasStatic || moves ? geometryOfTree(scene->get(i),moves) : nullptr;
+          CompressibleGeometry* const geometry = hasStatic || moves ? asTreeGeometry(scene->get(i),moves) : nullptr;
           if (geometry && geometry->size() != 0)
             ids.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
         }

@@ -26,21 +26,23 @@ namespace embree
     {
     public:
       explicit TrianglesOfMesh (const TriangleMesh* mesh)
-        : perPrimitive(1), numPrimitives(mesh->triangles.size()), numVertices(mesh->numVertices()),
+        : trianglesPerPrimitive(1), numPrimitives(mesh->triangles.size()), numVertices(mesh->numVertices()),
           steps(&mesh->vertices[0]), numSteps(mesh->numTimeSteps), indices(mesh->triangles.getPtr()),
           stride(mesh->triangles.getStride()) {}
       explicit TrianglesOfMesh (const QuadMesh* mesh)
-        : perPrimitive(2), numPrimitives(mesh->quads.size()), numVertices(mesh->numVertices()),
+        : trianglesPerPrimitive(2), numPrimitives(mesh->quads.size()), numVertices(mesh->numVertices()),
           steps(&mesh->vertices[0]), numSteps(mesh->numTimeSteps), indices(mesh->quads.getPtr()),
           stride(mesh->quads.getStride()) {}
 
-      const uint32_t perPrimitive;
+      const uint32_t trianglesPerPrimitive;
       const size_t numPrimitives;
 
-      bool areHalvesOfQuads () const { return perPrimitive == 2; }
+      bool areHalvesOfQuads () const { return trianglesPerPrimitive == 2; }
 
       /*! i: first (0) or second (1) triangle of a primitive. */
-      uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
+      uint32_t triangleOf (uint32_t primitive, uint32_t i) const {
+        return (primitive << (trianglesPerPrimitive-1)) + i;
+      }
 
       /*! Sets pointers to the corners at the first step, in the application's order. Returns false if Embree skips the
        *  primitive: an index is out of range, or a vertex is not finite at a step. */
@@ -56,7 +58,7 @@ namespace embree
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
         const uint32_t n = areHalvesOfQuads() ? 4 : 3;
         unsigned v[4];
-        memcpy(v,indices + (triangle >> (perPrimitive-1))*stride,n*sizeof(unsigned));
+        memcpy(v,indices + (triangle >> (trianglesPerPrimitive-1))*stride,n*sizeof(unsigned));
         const float* p[4];
         for (uint32_t i=0; i<n; i++) {
           if (v[i] >= numVertices) return false;
@@ -110,7 +112,7 @@ namespace embree
 
       /*! Includes invalid primitives. */
       size_t numPrimitives () const { return primitives ? primitives->size() : mesh.numPrimitives; }
-      size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
+      size_t numTriangles () const { return numPrimitives()*mesh.trianglesPerPrimitive; }
 
       size_t bytesInEmbree () const {
         return numPrimitives()*(mesh.areHalvesOfQuads() ? bytesOfQuadInEmbree(plan.numTimeSteps)
@@ -212,10 +214,10 @@ namespace embree
       void bound (uint32_t primitive, float lower[3], float upper[3]) const
       {
         const float* p[6];
-        for (uint32_t i=0; i<mesh.perPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
+        for (uint32_t i=0; i<mesh.trianglesPerPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
         for (int k=0; k<3; k++) {
           lower[k] = upper[k] = p[0][k];
-          for (uint32_t i=1; i<3*mesh.perPrimitive; i++) {
+          for (uint32_t i=1; i<3*mesh.trianglesPerPrimitive; i++) {
             lower[k] = min(lower[k],p[i][k]);
             upper[k] = max(upper[k],p[i][k]);
           }
@@ -284,7 +286,7 @@ namespace embree
         {
           const uint32_t primitive = primitiveAt(i);
           bool isValid = true, canBeHit = false;
-          for (uint32_t k=0; k<mesh.perPrimitive && isValid; k++)
+          for (uint32_t k=0; k<mesh.trianglesPerPrimitive && isValid; k++)
           {
             const uint32_t triangle = mesh.triangleOf(primitive,k);
             const float* p[3];

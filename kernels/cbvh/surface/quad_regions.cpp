@@ -228,7 +228,7 @@ namespace embree
     }
 
     /*! Finds regions of a quad mesh, or of a triangle mesh with pairs of consecutive triangles. */
-    RegionsPtr findIn (const QuadMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    RegionsPtr findWithConsecutivePairs (const QuadMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       const RegionsPtr out = std::make_shared<QuadRegions>();
       out->welded = welded;
@@ -236,7 +236,7 @@ namespace embree
       return out;
     }
 
-    RegionsPtr findIn (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    RegionsPtr findWithConsecutivePairs (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       const RegionsPtr out = std::make_shared<QuadRegions>();
       out->welded = welded;
@@ -245,7 +245,7 @@ namespace embree
     }
 
     /*! Finds regions of a triangle mesh with pairs from anywhere in the index buffer. Null for quad meshes. */
-    RegionsPtr findInPairsAnywhere (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    RegionsPtr findWithAnyPairs (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       const RegionsPtr out = std::make_shared<QuadRegions>();
       out->welded = welded;
@@ -253,7 +253,7 @@ namespace embree
       return out;
     }
 
-    RegionsPtr findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
+    RegionsPtr findWithAnyPairs (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
 
     /*! True if at most 5% of the quads are irregular. */
     bool areFewIrregular (const QuadRegions& found)
@@ -302,10 +302,10 @@ namespace embree
 
     /*! If pairs of consecutive triangles leave many quads irregular, also tries partners anywhere. */
     template<typename Mesh>
-    RegionsPtr findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    RegionsPtr findWithBestPairs (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
-      RegionsPtr best = findIn(mesh,welded);
-      if (!areFewIrregular(*best)) chooseSmaller(mesh,best,findInPairsAnywhere(mesh,welded));
+      RegionsPtr best = findWithConsecutivePairs(mesh,welded);
+      if (!areFewIrregular(*best)) chooseSmaller(mesh,best,findWithAnyPairs(mesh,welded));
       return best;
     }
 
@@ -321,17 +321,18 @@ namespace embree
       const bool areVerticesSeparate = mesh->numVertices() > 2*numQuadsOf(mesh);
       RegionsPtr best;
       if (!areVerticesSeparate) {
-        best = findIn(mesh,nullptr);
+        best = findWithConsecutivePairs(mesh,nullptr);
         if (areBlocksNearlyFull(*best)) return best;
       }
       const std::shared_ptr<const WeldedVertices> welded =
         WeldedVertices::find(&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
       if (welded || !best) {
-        const RegionsPtr other = findBestIn(mesh,welded);
+        const RegionsPtr other = findWithBestPairs(mesh,welded);
         if (best) chooseSmaller(mesh,best,other); else best = other;
       }
-      else if (!areFewIrregular(*best)) chooseSmaller(mesh,best,findInPairsAnywhere(mesh,nullptr));
-      if (welded && areVerticesSeparate && !areBlocksNearlyFull(*best)) chooseSmaller(mesh,best,findIn(mesh,nullptr));
+      else if (!areFewIrregular(*best)) chooseSmaller(mesh,best,findWithAnyPairs(mesh,nullptr));
+      if (welded && areVerticesSeparate && !areBlocksNearlyFull(*best))
+        chooseSmaller(mesh,best,findWithConsecutivePairs(mesh,nullptr));
       return best;
     }
   }

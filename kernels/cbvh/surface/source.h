@@ -5,7 +5,7 @@
 
 /* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the builder of blocks. A
  * source enumerates the primitives of a geometry. A patch is a rectangle of quads of a primitive. Both are template
- * parameters, of BuilderOf (building/surface_builder.h) and of the writers (vert/writer.h, framed/writer.h).
+ * parameters, of SourceBuilder (building/surface_builder.h) and of the writers (vert/writer.h, framed/writer.h).
  * isSource<S>() checks a source at compile time. CageSource and GridSource (building/) are sources;
  * tests/library/sphere_source.h is a short example.
  *
@@ -45,7 +45,7 @@
  *       True if evaluating a vertex again returns the same floats. Otherwise the builder evaluates rows that two tasks
  *       share once for both.
  *   Source (Mesh* mesh, const CompressionPlan& plan)
- *       Both outlive the source. Mesh is the type that BuilderOf is constructed with, a CompressibleGeometry.
+ *       Both outlive the source. Mesh is the type that SourceBuilder is constructed with, a CompressibleGeometry.
  *   size_t size () const
  *       Number of primitives. Blocks store them in 32 bits.
  *   size_t estimateBlocks () const

@@ -6,7 +6,7 @@
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
  * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block.
  *
- * docs/formats/mesh_block.md defines restarts, fans, firstCorners, news, owns, repeats and others. */
+ * docs/formats/mesh_block.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -51,20 +51,20 @@ namespace embree
           const uint32_t restarts = at.read(count-1) << 1, fans = at.read(count-1) << 1;
           uint64_t firstCorners = at.read(min(2*count,32u));
           if (unlikely(count > 16)) firstCorners |= uint64_t(at.read(2*count-32)) << 32;
-          uint64_t news = at.read(min(stream-3,32u));
-          if (unlikely(stream-3 > 32)) news |= uint64_t(at.read(stream-3-32)) << 32;
-          const uint32_t owns = at.read(vertexCount);
+          uint64_t newMask = at.read(min(stream-3,32u));
+          if (unlikely(stream-3 > 32)) newMask |= uint64_t(at.read(stream-3-32)) << 32;
+          const uint32_t ownMask = at.read(vertexCount);
           BitReader repeats = at;
           at.skip((stream-vertexCount)*repeatBits);
-          decodeVertices(boxes,g,vertexCount,owns,at,out.vertices);
+          decodeVertices(boxes,g,vertexCount,ownMask,at,out.vertices);
 #if defined(__AVX2__)
           if (likely(count <= 16 && stream <= 32 && stream-vertexCount <= 8)) {
-            decodeStripsInParallel(restarts | 1,fans,uint32_t(firstCorners),uint32_t(news) << 3 | 7,repeats.peek(),
+            decodeStripsInParallel(restarts | 1,fans,uint32_t(firstCorners),uint32_t(newMask) << 3 | 7,repeats.peek(),
               repeatBits,out.corners);
             return;
           }
 #endif
-          decodeStripsSerially(count,16*half,restarts,fans,firstCorners,news,repeats,repeatBits,out.corners);
+          decodeStripsSerially(count,16*half,restarts,fans,firstCorners,newMask,repeats,repeatBits,out.corners);
         }
 
         /*! Number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
@@ -127,18 +127,18 @@ namespace embree
           }
         };
 
-        /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. news: without the first
+        /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. newMask: without the first
          *  three entries, which are always new. */
         static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
-                                          uint64_t firstCorners, uint64_t news, BitReader repeats, uint32_t repeatBits,
-                                          uint8_t (*corners)[16])
+                                          uint64_t firstCorners, uint64_t newMask, BitReader repeats,
+                                          uint32_t repeatBits, uint8_t (*corners)[16])
         {
           memset(corners,0,sizeof(corners[0])*3);
           Strip strip;
           uint32_t fresh = 3;
           auto next = [&]() {
-            const bool isNew = news & 1;
-            news >>= 1;
+            const bool isNew = newMask & 1;
+            newMask >>= 1;
             return isNew ? fresh++ : repeats.read(repeatBits);
           };
           for (uint32_t t=0; t<count; t++, firstCorners>>=2)
@@ -185,9 +185,9 @@ namespace embree
         }
 
         /*! decodeStripsSerially for up to 16 triangles, one per byte, whose stream has up to 32 entries, up to 8 of
-         *  them not new. Bit 0 of `restarts` must be set. news: of all entries. */
+         *  them not new. Bit 0 of `restarts` must be set. newMask: of all entries. */
         static __forceinline void decodeStripsInParallel (uint32_t restarts, uint32_t fans, uint32_t firstCorners,
-                                                          uint32_t news, uint64_t repeats, uint32_t repeatBits,
+                                                          uint32_t newMask, uint64_t repeats, uint32_t repeatBits,
                                                           uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
@@ -207,11 +207,11 @@ namespace embree
           __m128i before = _mm_setzero_si128(); // new entries in the first half
           for (int half=0; half<2; half++)
           {
-            const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
+            const __m128i isNew = bytesOfBits(newMask >> (16*half)), isOne = _mm_and_si128(isNew,one);
             const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(prefixSumsOfBytes(isOne),isOne));
             const __m128i rank = _mm_sub_epi8(_mm_add_epi8(places,_mm_set1_epi8(char(16*half))),fresh);
             entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(repeated,rank),fresh,isNew);
-            before = _mm_set1_epi8(char(__builtin_popcount(news & 0xFFFF)));
+            before = _mm_set1_epi8(char(__builtin_popcount(newMask & 0xFFFF)));
           }
           auto entryAt = [&](__m128i place) {
             return _mm_blendv_epi8(_mm_shuffle_epi8(entries[0],place),_mm_shuffle_epi8(entries[1],place),
@@ -418,7 +418,7 @@ namespace embree
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),fiveBits);
             // 31 means 32, see groupNumberBits
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,fiveBits));
-            // restarts, fans, firstCorners, news, owns; then repeats, and numbers of other groups' vertices
+            // restarts, fans, firstCorners, newMask, ownMask; then repeats, and indices of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),
@@ -468,13 +468,13 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of group g. owns: mask of its own. others: numbers in the block of other groups'
-         *  vertices. */
-        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
-                                           BitReader others, MeshVertices& out) const
+        /*! Decodes the vertices of group g. ownMask: mask of its own. otherIndices: indices in the block of
+         *  other groups' vertices. */
+        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t ownMask,
+                                           BitReader otherIndices, MeshVertices& out) const
         {
           alignas(64) uint32_t coordinates[3][32];
-          readCoordinates(boxes,g,vertexCount,owns,others,coordinates);
+          readCoordinates(boxes,g,vertexCount,ownMask,otherIndices,coordinates);
           if (isSheared()) unshear(vertexCount,coordinates);
           for (uint32_t k=0; k<3; k++)
           {
@@ -490,26 +490,26 @@ namespace embree
         }
 
         /*! Sets coordinates, before the shear is subtracted. Parameters: as above. */
-        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t owns,
-                                            BitReader others, uint32_t (*coordinates)[32]) const
+        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t ownMask,
+                                            BitReader otherIndices, uint32_t (*coordinates)[32]) const
         {
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
           uint32_t first = boxes.firstVertex[g];
 #if defined(__AVX2__)
           const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)boxes.fieldBits[3]),_mm_set1_epi8(57));
           if (likely((uint32_t(_mm_movemask_epi8(isWide)) & boxes.lanes) == 0)) {
-            readSixteen(boxes,first,vertexCount,owns,others,otherBits,coordinates,0);
+            readSixteen(boxes,first,vertexCount,ownMask,otherIndices,otherBits,coordinates,0);
             if (likely(vertexCount <= 16)) return;
-            const uint32_t owned = uint32_t(__builtin_popcount(owns & 0xFFFF));
-            others.skip((16-owned)*otherBits);
-            readSixteen(boxes,first+owned,vertexCount-16,owns >> 16,others,otherBits,coordinates,16);
+            const uint32_t owned = uint32_t(__builtin_popcount(ownMask & 0xFFFF));
+            otherIndices.skip((16-owned)*otherBits);
+            readSixteen(boxes,first+owned,vertexCount-16,ownMask >> 16,otherIndices,otherBits,coordinates,16);
             return;
           }
 #endif
-          for (uint32_t rest=owns; rest; rest&=rest-1, first++)
+          for (uint32_t rest=ownMask; rest; rest&=rest-1, first++)
             readVertex(boxes,g,boxes.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
-          for (uint32_t rest=~owns & ((1u << vertexCount)-1); rest; rest&=rest-1) {
-            const uint32_t v = others.read(otherBits), of = groupOfVertex(boxes,v);
+          for (uint32_t rest=~ownMask & ((1u << vertexCount)-1); rest; rest&=rest-1) {
+            const uint32_t v = otherIndices.read(otherBits), of = groupOfVertex(boxes,v);
             readVertex(boxes,of,boxes.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
@@ -547,17 +547,18 @@ namespace embree
           return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
         }
 
-        /*! Reads `count` fields of otherBits bits: numbers of other groups' vertices. Returns the field with the index
+        /*! Reads `count` fields of otherBits bits: indices of other groups' vertices. Returns the field with the index
          *  that each byte of `rank` contains. */
-        static __forceinline __m256i readOthers (BitReader others, uint32_t otherBits, uint32_t count, __m128i rank)
+        static __forceinline __m256i readOtherIndices (BitReader otherIndices, uint32_t otherBits, uint32_t count,
+                                                         __m128i rank)
         {
           // field k becomes 16-bit word 4 (k mod 4) + k/4; a byte of -2 or -1 in a shuffle returns 0
           const __m256i mask = _mm256_set1_epi64x((1 << otherBits)-1),
             shifts = _mm256_mul_epu32(_mm256_set1_epi64x(otherBits),_mm256_setr_epi64x(0,1,2,3));
           __m256i words = _mm256_setzero_si256();
-          for (uint32_t k=0; k<count; k+=4, others.skip(4*otherBits))
+          for (uint32_t k=0; k<count; k+=4, otherIndices.skip(4*otherBits))
             words = _mm256_or_si256(words,_mm256_sllv_epi64(_mm256_and_si256(mask,
-              _mm256_srlv_epi64(_mm256_set1_epi64x((long long)others.peek()),shifts)),_mm256_set1_epi64x(4*k)));
+              _mm256_srlv_epi64(_mm256_set1_epi64x((long long)otherIndices.peek()),shifts)),_mm256_set1_epi64x(4*k)));
           const __m128i one = _mm_set1_epi8(1),
             inLower = _mm_shuffle_epi8(_mm_setr_epi8(0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14,-2,-2),rank),
             inUpper = _mm_shuffle_epi8(_mm_setr_epi8(-2,-2,0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14),rank);
@@ -567,20 +568,20 @@ namespace embree
             _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
         }
 
-        /*! readCoordinates for up to 16 vertices, if no group has more than 57 bits per vertex. first: number in the
+        /*! readCoordinates for up to 16 vertices, if no group has more than 57 bits per vertex. first: index in the
          *  block of the first own vertex. n: first output lane. */
-        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t vertexCount, uint32_t owns,
-                                        BitReader others, uint32_t otherBits, uint32_t (*coordinates)[32],
+        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t vertexCount, uint32_t ownMask,
+                                        BitReader otherIndices, uint32_t otherBits, uint32_t (*coordinates)[32],
                                         uint32_t n) const
         {
-          const uint32_t numOthers = uint32_t(__builtin_popcount(~owns & (0xFFFFu >> (16-min(vertexCount,16u)))));
-          const __m128i isOwn = bytesOfBits(owns),
+          const uint32_t numOthers = uint32_t(__builtin_popcount(~ownMask & (0xFFFFu >> (16-min(vertexCount,16u)))));
+          const __m128i isOwn = bytesOfBits(ownMask),
             ownRank = _mm_add_epi8(prefixSumsOfBytes(_mm_and_si128(isOwn,_mm_set1_epi8(1))),isOwn),
             otherRank = _mm_sub_epi8(_mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15),ownRank);
           const __m256i isPresent = _mm256_cmpgt_epi16(_mm256_set1_epi16(short(vertexCount)),
             _mm256_setr_epi16(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15));
           const __m256i vertex = _mm256_and_si256(isPresent,_mm256_blendv_epi8(
-            readOthers(others,otherBits,numOthers,otherRank),
+            readOtherIndices(otherIndices,otherBits,numOthers,otherRank),
             _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
             _mm256_cvtepi8_epi16(isOwn)));
 

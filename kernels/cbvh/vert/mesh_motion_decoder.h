@@ -154,12 +154,12 @@ namespace embree
             vertexCount = groupVertices(record);
           const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
           const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
-          const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,vertexCount);
+          const uint32_t begin = boxes.topology[g], ownMask = meshBitsAt(data,begin+at.ownMask,vertexCount);
           out.numVertices = vertexCount;
           for (uint32_t i=0, own=0, other=0; i<vertexCount; i++)
           {
-            if ((owns >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
-            const uint32_t v = meshBitsAt(data,begin + at.others + at.otherBits*other++,at.otherBits);
+            if ((ownMask >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
+            const uint32_t v = meshBitsAt(data,begin + at.otherIndices + at.otherBits*other++,at.otherBits);
             uint32_t owner = 0;
             while (owner+1 < groups && v >= boxes.firstVertex[owner+1]) owner++;
             out.group[i] = uint8_t(owner);

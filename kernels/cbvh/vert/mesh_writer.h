@@ -25,7 +25,9 @@ namespace embree
         : source(source), surface(surface), store(store), statistics(statistics) {}
 
       /*! Primitives of a full group. A primitive is a triangle or a quad. */
-      static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
+      static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) {
+        return groupTriangles/mesh.trianglesPerPrimitive;
+      }
 
       /*! Writes a cluster. groups: of consecutive primitives. The caller must flush the store after the last cluster of
        *  a part, whose blocks must be contiguous. */
@@ -34,7 +36,7 @@ namespace embree
         double squaredDeviation = 0; // largest squared distance by which rounding moved a corner
         uint32_t n = 0;
         const cbvh::MeshGroups stored = storeGroups(groups,n,[&](uint32_t i) {
-          for (uint32_t k=0; k<source.mesh.perPrimitive; k++) {
+          for (uint32_t k=0; k<source.mesh.trianglesPerPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[n];
             triangle.number = source.mesh.triangleOf(cluster[i].index,k);
             if (source.mesh.areHalvesOfQuads() && source.isDegenerate(triangle.number)) continue; // a quad's empty half

@@ -28,7 +28,7 @@ namespace embree
         double squaredDeviation = 0; // largest squared distance by which rounding moved a vertex
         uint32_t n = 0;
         const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,n,[&](uint32_t i) {
-          for (uint32_t k=0; k<source.mesh.perPrimitive; k++) {
+          for (uint32_t k=0; k<source.mesh.trianglesPerPrimitive; k++) {
             const uint32_t number = source.mesh.triangleOf(cluster[i].index,k);
             if (source.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
             triangles[n].number = number;

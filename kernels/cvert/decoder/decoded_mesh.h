@@ -34,18 +34,18 @@ namespace cvert { inline namespace CVERT_ISA
         return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count);
       };
 
-      const uint32_t owns = bits(at.owns,numVertices);
+      const uint32_t ownMask = bits(at.ownMask,numVertices);
       float positions[maxGroupVertices][3];
       for (uint32_t i=0, own=0, other=0; i<numVertices; i++) {
-        vertices[i] = (owns >> i) & 1 ? view.firstVertex[g] + own++
-          : bits(at.others + at.otherBits*other++,at.otherBits);
+        vertices[i] = (ownMask >> i) & 1 ? view.firstVertex[g] + own++
+          : bits(at.otherIndices + at.otherBits*other++,at.otherBits);
         vertex(vertices[i],positions[i]);
       }
 
       uint8_t stream[maxGroupTriangles+2+2*maxGroupRestarts];
       const uint32_t length = streamLength(numTriangles,groupRestarts(group,record));
-      for (uint32_t i=0, news=0, repeats=0; i<length; i++)
-        stream[i] = uint8_t(i < 3 || bits(at.news+i-3,1) ? news++
+      for (uint32_t i=0, numNew=0, repeats=0; i<length; i++)
+        stream[i] = uint8_t(i < 3 || bits(at.newMask+i-3,1) ? numNew++
           : bits(at.repeats + at.repeatBits*repeats++,at.repeatBits));
 
       const uint32_t restarts = bits(at.restarts,numTriangles-1) << 1 | 1, fans = bits(at.fans,numTriangles-1) << 1;

@@ -180,22 +180,22 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t t=0; t<triangles; t++)
         if (bits(at.firstCorners+2*t,2) > 2)
           return Reason::damaged("a triangle of group % is turned by 3 corners: expected 0 to 2",g);
-      if (countBits(bits(at.owns,vertices)) != groupOwnVertices(record))
+      if (countBits(bits(at.ownMask,vertices)) != groupOwnVertices(record))
         return Reason::damaged("group % owns more or fewer vertices than its record counts",g);
-      uint32_t news = 3;
-      for (uint32_t i=3; i<stream; i++) news += bits(at.news+i-3,1);
-      if (news != vertices)
-        return Reason::damaged("the strips of group % have % vertices: its record counts more or fewer",g,news);
-      news = 3;
+      uint32_t numNew = 3;
+      for (uint32_t i=3; i<stream; i++) numNew += bits(at.newMask+i-3,1);
+      if (numNew != vertices)
+        return Reason::damaged("the strips of group % have % vertices: its record counts more or fewer",g,numNew);
+      numNew = 3;
       for (uint32_t i=3; i<stream; i++)
-        if (bits(at.news+i-3,1)) news++;
+        if (bits(at.newMask+i-3,1)) numNew++;
         else {
-          const uint32_t local = bits(at.repeats + at.repeatBits*(i-news),at.repeatBits);
-          if (local >= news)
+          const uint32_t local = bits(at.repeats + at.repeatBits*(i-numNew),at.repeatBits);
+          if (local >= numNew)
             return Reason::damaged("a strip of group % repeats vertex % before its first use",g,local);
         }
       for (uint32_t i=0; i<vertices-groupOwnVertices(record); i++) {
-        const uint32_t v = bits(at.others + at.otherBits*i,at.otherBits);
+        const uint32_t v = bits(at.otherIndices + at.otherBits*i,at.otherBits);
         if (v >= view.firstVertex[g])
           return Reason::damaged("group % uses vertex %, which does not belong to a group before it",g,v);
       }

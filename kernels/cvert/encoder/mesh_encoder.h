@@ -394,9 +394,9 @@ namespace cvert { inline namespace CVERT_ISA
         topology.write(group.restartMask >> 1,group.triangles-1);
         topology.write(group.fanMask >> 1,group.triangles-1);
         for (uint32_t t=0; t<group.triangles; t++) topology.write(group.firstCorners[t],2);
-        const uint64_t news = group.newMask >> 3;
-        topology.write(uint32_t(news),std::min(stream-3,32u));
-        if (stream-3 > 32) topology.write(uint32_t(news >> 32),stream-3-32);
+        const uint64_t mask = group.newMask >> 3;
+        topology.write(uint32_t(mask),std::min(stream-3,32u));
+        if (stream-3 > 32) topology.write(uint32_t(mask >> 32),stream-3-32);
         topology.write(group.ownMask,group.vertices);
         for (uint32_t i=0; i<group.repeats; i++) topology.write(group.repeated[i],repeatBits);
         for (uint32_t i=0; i<group.vertices; i++)

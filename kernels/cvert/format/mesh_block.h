@@ -8,7 +8,7 @@
  *
  * Only sizes of groups are stored: offsets in the last three sections are sums over the groups before.
  *
- * A vertex belongs to the first group that uses it; other groups refer to its number in the block. On each axis a
+ * A vertex belongs to the first group that uses it; other groups refer to its index in the block. On each axis a
  * vertex is origin + coordinate * spacing, exact in float, with a power of two as spacing. If this needs too many bits,
  * the coordinate is a rank, the number of floats from origin to vertex. Fields are coordinates relative to the owning
  * group's box. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
@@ -161,15 +161,15 @@ CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { r
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
  *   firstCorners  2 bits per triangle, 0 to 2: where the application's triangle begins, see stripTriangle
- *   news          a bit per vertex of the stream from 3 on: it is new and gets the group's next number
- *   owns          a bit per vertex of the group: it belongs to the group
- *   repeats       for each other vertex of the stream: its number in the group
- *   others        for each vertex of the group that does not belong to it: its number in the block */
+ *   newMask       a bit per vertex of the stream from 3 on: it is new and gets the next index in the group
+ *   ownMask       a bit per vertex of the group: it belongs to the group
+ *   repeats       for each other vertex of the stream: its index in the group
+ *   otherIndices  for each vertex of the group that does not belong to it: its index in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, firstCorners, news, owns, repeats, others; //!< bit offsets in the group's topology
-  uint32_t repeatBits, otherBits;                              //!< bits per entry
-  uint32_t bits;                                               //!< of the whole topology
+  uint32_t restarts, fans, firstCorners, newMask, ownMask, repeats, otherIndices; //!< bit offsets in the topology
+  uint32_t repeatBits, otherBits; //!< bits per entry
+  uint32_t bits;                  //!< of the whole topology
 };
 
 /*! group, record: see groupTriangles. vertices: of the block. */
@@ -183,11 +183,11 @@ CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint3
   at.restarts = 0u;
   at.fans = triangles-1u;
   at.firstCorners = at.fans + triangles-1u;
-  at.news = at.firstCorners + 2u*triangles;
-  at.owns = at.news + stream-3u;
-  at.repeats = at.owns + numVertices;
-  at.others = at.repeats + (stream-numVertices)*at.repeatBits;
-  at.bits = at.others + (numVertices-groupOwnVertices(record))*at.otherBits;
+  at.newMask = at.firstCorners + 2u*triangles;
+  at.ownMask = at.newMask + stream-3u;
+  at.repeats = at.ownMask + numVertices;
+  at.otherIndices = at.repeats + (stream-numVertices)*at.repeatBits;
+  at.bits = at.otherIndices + (numVertices-groupOwnVertices(record))*at.otherBits;
   return at;
 }
 

@@ -65,7 +65,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. shear: shearOf. */
+/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. shear: worldShear. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -80,7 +80,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
 /*! Factor of world axis m+i in the sheared coordinate. */
-CVERT_FUNCTION float shearOf (uint32_t info, int i) {
+CVERT_FUNCTION float worldShear (uint32_t info, int i) {
   return i == 0 ? 1.0f : float(shearSlope(info,i))*(1.0f/16.0f);
 }
 

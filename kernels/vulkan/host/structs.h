@@ -12,10 +12,10 @@
 
 namespace embree { namespace core {
 
-CBVH_GROWING_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
-CBVH_GROWING_STRUCT(RTCVulkanHandles, hasRayQuery);
-CBVH_GROWING_STRUCT(RTCVulkanSceneArguments, previous);
-CBVH_GROWING_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
-CBVH_GROWING_STRUCT(RTCVulkanTimes, sortSeconds);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanHandles, hasRayQuery);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneArguments, previous);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanTimes, sortSeconds);
 
 }} // namespace embree::core

@@ -334,10 +334,10 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       if ((isHit & (1u << i)) == 0u)
       {
         bool above = (slabs.leaveZ[child] < max(slabs.enterXY[child], 0.0)) != isDown;
-        Verdict v = passBox(state, above);
-        state = v.next;
-        if (v.hit == hitNone) continue;
-        exit_.from = v.from;
+        HitResult result = passBox(state, above);
+        state = result.next;
+        if (result.hit == hitNone) continue;
+        exit_.from = result.from;
         /* continues as if this hit were the nearest, so that hits do not depend on the order of blocks */
         if (cbvhReport(header, block.geomID, ray, local, layout_.leavesPerSide, exit_, hit, framed)) found = true;
         if (anyHit) return true;
@@ -380,11 +380,11 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       {
         LeafPatch patch_ = decodeLeaf(word, heights, child, box);
         Crossing x = crossPatch(local.segment, patch_);
-        Verdict v = crossLeaf(state, x.event);
-        bool hitsLeaf = v.hit != hitNone;
+        HitResult result = crossLeaf(state, x.event);
+        bool hitsLeaf = result.hit != hitNone;
         float s = x.s0;
-        if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
-        if (v.hit == hitLip) {
+        if (result.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
+        if (result.hit == hitLip) {
           Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
           LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leavesPerSide - 1u, lip);
           hitsLeaf = at.hit;
@@ -392,13 +392,13 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         }
         if (hitsLeaf && !(state.found && !(s < best))) {
           if (cbvhReport(header, block.geomID, ray, local, layout_.leavesPerSide,
-                         cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
+                         cbvhHitOnPatch(local, patch_, leaf, s, result.from), hit, framed)) found = true;
           if (anyHit) return true;
           best = s;
           state = afterHit(state);
           continue;
         }
-        state = v.next;
+        state = result.next;
         if (state.pending) exit_ = cbvhHitOnPatch(local, patch_, leaf, x.s1, sideUnknown);
       }
     }

@@ -193,9 +193,9 @@ struct CbvhMeshGroup
   uint g;
   uint stream;                  // number of entries
   uint restarts, fans;          // masks of triangles
-  uvec2 news;                   // mask of entries
-  uint owns;                    // mask of vertices
-  uint firstCorners, repeats, others;  // first bits, from the start of the block
+  uvec2 newMask;                // mask of entries
+  uint ownMask;                 // mask of vertices
+  uint firstCorners, repeats, otherIndices; // first bits, from the start of the block
   uint repeatBits, otherBits;
 };
 
@@ -211,12 +211,12 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   group.restarts = (cbvhMeshBits(block, first + topology.restarts, triangles - 1u) << 1) | 1u;
   group.fans = cbvhMeshBits(block, first + topology.fans, triangles - 1u) << 1;
   uint low = min(group.stream - 3u, 29u);
-  group.news.x = (cbvhMeshBits(block, first + topology.news, low) << 3) | 7u;
-  group.news.y = cbvhMeshBits(block, first + topology.news + low, group.stream - 3u - low);
-  group.owns = cbvhMeshBits(block, first + topology.owns, groupVertices(record));
+  group.newMask.x = (cbvhMeshBits(block, first + topology.newMask, low) << 3) | 7u;
+  group.newMask.y = cbvhMeshBits(block, first + topology.newMask + low, group.stream - 3u - low);
+  group.ownMask = cbvhMeshBits(block, first + topology.ownMask, groupVertices(record));
   group.firstCorners = first + topology.firstCorners;
   group.repeats = first + topology.repeats;
-  group.others = first + topology.others;
+  group.otherIndices = first + topology.otherIndices;
   group.repeatBits = topology.repeatBits;
   group.otherBits = topology.otherBits;
   return group;
@@ -229,15 +229,16 @@ uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) 
 vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
-  uint news = isLow ? group.news.x : group.news.y;
-  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // new entries before i
+  uint newMask = isLow ? group.newMask.x : group.newMask.y;
+  // new entries before i
+  uint before = cbvhBitsBelow(newMask, i & 31u) + (isLow ? 0u : uint(bitCount(group.newMask.x)));
   uint vertex = before; // index of the vertex in the group
-  if (((news >> (i & 31u)) & 1u) == 0u)
+  if (((newMask >> (i & 31u)) & 1u) == 0u)
     vertex = cbvhMeshBits(block, group.repeats + (i - before)*group.repeatBits, group.repeatBits);
 
-  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // index among the owner's vertices
-  if (((group.owns >> vertex) & 1u) == 0u) {
-    number = cbvhMeshBits(block, group.others + (vertex - number)*group.otherBits, group.otherBits);
+  uint owner = group.g, number = cbvhBitsBelow(group.ownMask, vertex); // index among the owner's vertices
+  if (((group.ownMask >> vertex) & 1u) == 0u) {
+    number = cbvhMeshBits(block, group.otherIndices + (vertex - number)*group.otherBits, group.otherBits);
     while (owner > 0u && number < cbvhMeshGroups[owner].y >> 16) owner--;
     number -= cbvhMeshGroups[owner].y >> 16;
   }

@@ -40,7 +40,7 @@ struct CbvhVertAxes
 float cbvhShearOf (uint info, int k)
 {
   int m = shearedAxis(info);
-  return shearOf(info, k >= m ? k - m : k - m + 3);
+  return worldShear(info, k >= m ? k - m : k - m + 3);
 }
 
 CbvhVertAxes cbvhVertAxes (uint info, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)

@@ -100,20 +100,20 @@ CVERT_CONSTANT uint32_t hitLip  = 4u; //!< if the ray intersects a lip
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
 /*! Result of the rule for a leaf or a passed box. */
-struct Verdict
+struct HitResult
 {
   uint32_t hit;     //!< hitNone, or where the ray hits
   uint32_t from;    //!< remembered side, if the hit follows from it, otherwise sideUnknown
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 
-CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
+CVERT_FUNCTION HitResult hitResult (uint32_t hit, uint32_t from, WalkState next)
 {
-  Verdict v;
-  v.hit = hit;
-  v.from = from;
-  v.next = next;
-  return v;
+  HitResult result;
+  result.hit = hit;
+  result.from = from;
+  result.next = next;
+  return result;
 }
 
 /*! State after an accepted hit. */
@@ -125,21 +125,21 @@ CVERT_FUNCTION WalkState afterHit (WalkState state)
 }
 
 /*! The rule for a leaf whose box the ray crosses. */
-CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
+CVERT_FUNCTION HitResult crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
 
   if (state.found) { // only nearer hits count
-    if (leaf.solid || leaf.empty) return verdict(entersBox ? hitBox : hitNone,sideUnknown,state);
-    return verdict(crosses ? hitRoot : hitNone,sideUnknown,state);
+    if (leaf.solid || leaf.empty) return hitResult(entersBox ? hitBox : hitNone,sideUnknown,state);
+    return hitResult(crosses ? hitRoot : hitNone,sideUnknown,state);
   }
 
   WalkState next = state;
   if (leaf.solid || leaf.empty) {
     next.side = sideUnknown;
     next.pending = false;
-    return verdict(entersBox ? hitBox : hitNone,sideUnknown,next);
+    return hitResult(entersBox ? hitBox : hitNone,sideUnknown,next);
   }
   if (leaf.started) next.fromSurface = leaf.nearEntry;
   next.side = leaf.leave;
@@ -147,10 +147,10 @@ CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 
   bool isPastStep = next.fromSurface && !leaf.started && state.side == leaf.leave;
   bool step = !leaf.started && state.side != sideUnknown && state.side != leaf.enter;
-  if (step && !isPastStep) return verdict(hitStep,state.side,next);
-  if (crosses) return verdict(isPastStep ? hitNone : hitRoot,sideUnknown,next);
-  if (leaf.near && !leaf.started && !leaf.ended) return verdict(hitLip,sideUnknown,next);
-  return verdict(hitNone,sideUnknown,next);
+  if (step && !isPastStep) return hitResult(hitStep,state.side,next);
+  if (crosses) return hitResult(isPastStep ? hitNone : hitRoot,sideUnknown,next);
+  if (leaf.near && !leaf.started && !leaf.ended) return hitResult(hitLip,sideUnknown,next);
+  return hitResult(hitNone,sideUnknown,next);
 }
 
 /*! True if passBox() must be called for boxes that the ray passes. */
@@ -160,13 +160,13 @@ CVERT_FUNCTION bool needsPassedBoxes (WalkState state) {
 
 /*! The rule for a box that the ray overlaps in x and y, but passes over (`above`) or under. Requires
  *  needsPassedBoxes(). */
-CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
+CVERT_FUNCTION HitResult passBox (WalkState state, bool above)
 {
   WalkState next = state;
   next.side = above ? sideAbove : sideBelow;
   bool step = state.pending && state.side != next.side;
   if (step) next.pending = false;
-  return verdict(step ? hitExit : hitNone,state.side,next);
+  return hitResult(step ? hitExit : hitNone,state.side,next);
 }
 
 CBVH_END

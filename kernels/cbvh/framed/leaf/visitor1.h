@@ -30,9 +30,9 @@ namespace embree
 
         bool passSubtree (bool above)
         {
-          const Verdict v = passBox(state,above);
-          setState(v.next);
-          return v.hit != hitNone && reportExit(v.from);
+          const HitResult result = passBox(state,above);
+          setState(result.next);
+          return result.hit != hitNone && reportExit(result.from);
         }
 
         __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
@@ -40,14 +40,14 @@ namespace embree
           const Crossing<float> x =
             crossDecodedLeaf(this->nodeRay,tile,child,ranges,this->startsInside(ranges,child),
               this->endsInside(ranges,child));
-          const Verdict v = crossLeaf(state,x.event);
+          const HitResult result = crossLeaf(state,x.event);
           float s;
-          if (hitsLeaf(v.hit,x,tile.surfaces.halfThickness[child],16*m+child,s)
+          if (hitsLeaf(result.hit,x,tile.surfaces.halfThickness[child],16*m+child,s)
               && !(state.found && !(s < this->sBest))) {
-            if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,v.from)))) return true;
+            if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,result.from)))) return true;
             if (state.found) return false;
           }
-          setState(v.next);
+          setState(result.next);
           exitM = m;
           exitChild = child;
           exitS = x.s1;
@@ -59,7 +59,7 @@ namespace embree
         uint32_t exitM, exitChild;
         float exitS;
 
-        /*! Reports a hit where the ray left the last leaf. Returns true if the walk may end. from: see Verdict. */
+        /*! Reports a hit where the ray left the last leaf. Returns true if the walk may end. from: see HitResult. */
         __noinline bool reportExit (uint32_t from)
         {
           LeafTile& tile = leafTile(exitM);
@@ -80,7 +80,7 @@ namespace embree
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! Returns true if the ray hits the leaf, and sets s. hit: Verdict::hit. number: Morton index of the leaf. */
+        /*! Returns true if the ray hits the leaf, and sets s. hit: HitResult::hit. number: Morton index of the leaf. */
         __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float halfThickness, uint32_t number,
                                      float& s) const
         {
@@ -102,7 +102,7 @@ namespace embree
         /*! s at position k of a crossing. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
-        /*! from: see Verdict. */
+        /*! from: see HitResult. */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
           const vfloat4 uv = positionInLeaf(this->nodeRay,surfaces,child,vfloat4(s));
