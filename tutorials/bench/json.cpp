@@ -144,7 +144,7 @@ json viewJson(const ViewResult& v)
 {
   json view = {{"view", v.view},
                {"errors", errorsJson(v.errors)},
-               {"errors_away_from_silhouettes", errorsJson(v.away)},
+               {"errors_away_from_silhouettes", errorsJson(v.errorsAwayFromSilhouettes)},
                {"bounced", errorsJson(v.bounced)}};
   if (v.toReference)
     view["errors_to_reference_level"] = errorsJson(*v.toReference);
@@ -152,8 +152,8 @@ json viewJson(const ViewResult& v)
     view["errors_to_true_surface"] = errorsJson(*v.toTrue);
   if (v.bins)
     view["bins_of_4_bits"] = heightBinsJson(*v.bins);
-  if (v.binsAway)
-    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAway);
+  if (v.binsAwayFromSilhouettes)
+    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAwayFromSilhouettes);
   if (!v.picture.empty())
     view["picture"] = v.picture;
   if (!v.errorMap.empty())
