@@ -133,7 +133,7 @@ RaySet parseRaySet(const std::string& word)
   for (RaySet set : {Coherent, Incoherent})
     if (word == raySetName(set))
       return set;
-  throw Error("unknown --set '" + word + "': expected coherent or incoherent");
+  throw Error("unknown --ray-set '" + word + "': expected coherent or incoherent");
 }
 
 /* Unparsed options, with the defaults that --help shows. */
@@ -177,7 +177,7 @@ void declareLists(CLI::App& app, Words& words)
   addDeviceOption(app, words.device);
   app.add_option("--threads", words.threads, "numbers of threads for tracing, 0 for all")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
+  app.add_option("--ray-set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
   app.add_option("--query", words.queries, "queries: closest, any")->type_name("LIST")->capture_default_str();
   app.add_option("--mode", words.modes, "rays per call: single, packet4, packet8, packet16, stream")
     ->type_name("LIST")->capture_default_str();
@@ -302,7 +302,7 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
     throw Error("--check crossings needs filter functions, which only the CPU calls: expected no --device " + o.device);
   for (int n : parseIntegers("--threads", words.threads, maxThreads))
     o.threads.push_back(threadCount(n));
-  for (const std::string& word : split("--set", words.sets))
+  for (const std::string& word : split("--ray-set", words.sets))
     o.sets.push_back(parseRaySet(word));
   for (const std::string& word : split("--query", words.queries))
     o.queries.push_back(parseQuery(word));
