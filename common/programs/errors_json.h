@@ -32,7 +32,7 @@ inline nlohmann::json errorsJson(const HitErrors& e)
   json.update({{"rays", e.rays},
                {"both_hit", e.bothHit},
                {"bias_pixels", e.bias},
-               {"beyond_5_pixels", e.farOff},
+               {"beyond_5_pixels", e.outliers},
                {"inlier_rmse_pixels", e.inlierRmse},
                {"false_hits", e.falseHits},
                {"misses", e.misses}});
@@ -49,7 +49,7 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
                {"p99_world", e.p99World},
                {"rmse_along_ray_pixels", e.rmseAlong},
                {"bias_pixels", e.bias},
-               {"not_within_5_pixels_along_ray", e.farOff}});
+               {"not_within_5_pixels_along_ray", e.outliers}});
   return json;
 }
 
