@@ -7,12 +7,46 @@ import json
 
 VERSION = 2
 
+# Former names of members.
+NEW_NAMES = {
+    "exact_quads": "fallback_quads",
+    "exact_quads_share": "fallback_quads_share",
+    "frame_bytes": "header_bytes",
+    "grid_bytes": "uncompressed_bytes",
+    "grid_quads": "uncompressed_quads",
+    "hits_beside_first_library": "hit_agreement",
+    "leaf_bytes_are": "leaf_bytes_method",
+    "max_border_gap": "max_border_mismatch",
+    "other_distance": "different_distance",
+    "other_hit_or_miss": "different_hit_or_miss",
+    "other_ids": "different_ids",
+    "other_number": "different_counts",
+    "other_parity": "different_parities",
+    "other_rays": "different_rays",
+    "other_uv_or_normal": "different_uv_or_normal",
+    "rmse_of_others_pixels": "inlier_rmse_pixels",
+    "same_place_errors": "same_hit_errors",
+    "same_place_rays": "same_hit_rays",
+    "set": "ray_set",
+    "turned_errors": "flipped_errors",
+    "turned_rays": "flipped_rays",
+    "uv_median_cells": "uv_median_quads",
+    "uv_p99_cells": "uv_p99_quads",
+}
+
 
 class Damaged(Exception):
     """A record cannot be used. The text gives the reason in a few words."""
 
 
-def name_leaves(record):
+def renamed(node, new_name):
+    """Returns a copy of nested JSON values whose members are called new_name(name)."""
+    if isinstance(node, dict):
+        return {new_name(name): renamed(value, new_name) for name, value in node.items()}
+    return [renamed(value, new_name) for value in node] if isinstance(node, list) else node
+
+
+def rename_leaves_only(record):
     """Renames cLEAF to cLEAF-only in records made with --leaves-only, a former option."""
     if record["run"].get("settings", {}).pop("leaves_only", False):
         for result in (result for group in record["groups"] for result in group["results"]):
@@ -45,7 +79,7 @@ def read(path):
                 if "on_device" in result:
                     for key in ("device", "device_bytes", "imported_bytes", "upload_seconds"):
                         result["on_device"][key]
-        name_leaves(record)
+        rename_leaves_only(record)
     except (KeyError, TypeError) as error:
         raise Damaged(f"incomplete, lacks {error}") from error
-    return record
+    return renamed(record, lambda name: NEW_NAMES.get(name, name))

@@ -61,7 +61,7 @@ measure() {
 }
 
 all=naive,grid,cgrid,cvoxel,cleaf-only,cvert
-common="--set coherent,incoherent --query closest,any --repeat 5"
+common="--ray-set coherent,incoherent --query closest,any --repeat 5"
 
 measure trex_6 400 --scene trex --level 6 --representation $all $common
 measure trex_4_5 200 --scene trex --level 4,5 --representation $all $common
@@ -73,6 +73,6 @@ measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cver
   --check-rays 10000000 --repeat 0
 for count in 8 24 64; do
   measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert \
-    --set coherent,incoherent --repeat 3
+    --ray-set coherent,incoherent --repeat 3
 done
 echo "all: $(($(date +%s) - begin)) s"

@@ -9,8 +9,8 @@ set -eu
 # Prints the help of a script: the comment at its top.
 print_help() { sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; }
 
-# refuse MESSAGE: ends the script because of an invalid command line.
-refuse() {
+# usage_error MESSAGE: prints the message, refers to --help, and exits with 2.
+usage_error() {
   echo "$(basename -- "$0"): $1, see --help" >&2
   exit 2
 }
@@ -20,11 +20,11 @@ refuse() {
 for argument in "$@"; do
   case $argument in
     -h | --help) print_help; exit 0 ;;
-    -*) [ "${arguments:-0}" = any ] || refuse "unknown option $argument" ;;
+    -*) [ "${arguments:-0}" = any ] || usage_error "unknown option $argument" ;;
   esac
 done
 [ "${arguments:-0}" = any ] || [ "$#" -le "${arguments:-0}" ] ||
-  refuse "too many arguments ($*): expected at most ${arguments:-0}"
+  usage_error "too many arguments ($*): expected at most ${arguments:-0}"
 
 root=$(cd -- "$(dirname -- "$0")/.." && pwd)
 cd "$root"

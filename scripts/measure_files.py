@@ -138,9 +138,9 @@ def main():
                     if is_cold:
                         evict(path)
                     records, mappings = load(options.program, path, folder, processes, view)
-                    opened += [r["openSeconds"] for r in records]
-                    processor_times += [r["openProcessorSeconds"] for r in records]
-                    first += [r["firstRaySeconds"] for r in records]
+                    opened += [r["open_seconds"] for r in records]
+                    processor_times += [r["open_processor_seconds"] for r in records]
+                    first += [r["first_ray_seconds"] for r in records]
                     rss += [s["Rss"] for s in mappings if s]
                     pss += [s["Pss"] for s in mappings if s]
                     cached_bytes.append(cached(path))

@@ -70,17 +70,17 @@ def measure(name, options):
             results = [run[i] for run in runs]
             first = results[0]
             row[key] = {
-                "bytes": (first["live_bytes"] - application) / triangles,
-                "peak": (first["peak_bytes"] - application) / triangles,
-                "build": statistics.median(result["build_seconds"] for result in results),
+                "bytes_per_triangle": (first["live_bytes"] - application) / triangles,
+                "peak_bytes_per_triangle": (first["peak_bytes"] - application) / triangles,
+                "build_seconds": statistics.median(result["build_seconds"] for result in results),
             }
             for rays in ("coherent", "incoherent"):
                 for query in ("closest", "any"):
                     ratios = [result["speed"][rays][query]["relative_to_grid"] for result in results]
-                    row[key][f"{rays} {query}"] = statistics.median(ratios)
+                    row[key][f"{rays}_{query}_relative_to_grid"] = statistics.median(ratios)
             if key == mode:
-                row[key]["moved"] = first["compression"]["max_vertex_deviation"] / edge
-                row[key]["compressed"] = 2 * first["compression"]["quads"] / triangles
+                row[key]["max_vertex_deviation_edges"] = first["compression"]["max_vertex_deviation"] / edge
+                row[key]["compressed_share"] = 2 * first["compression"]["quads"] / triangles
                 row[key]["errors"] = first["errors"]
                 row[key]["any_hit_disagreements"] = first["any_hit_disagreements"]
     return row
@@ -93,15 +93,20 @@ COLUMNS += ["Embree, s", "cVERT", "lossless", "coherent", "incoherent", "compact
 def line_of(name, row):
     embree, compact, cvert, lossless = (row[key] for key in ("embree", "compact", *MODES))
 
-    def speeds(ratios):
-        return f"{ratios['coherent closest']:.2f} {ratios['incoherent closest']:.2f}"
+    def speed(mode, rays):
+        return f"{mode[f'{rays}_closest_relative_to_grid']:.2f}"
+
+    def speeds(mode):
+        return f"{speed(mode, 'coherent')} {speed(mode, 'incoherent')}"
 
     cells = [name, f"{row['triangles'] / 1000:.0f}"]
-    cells += [f"{value:.1f}" for value in (embree["bytes"], compact["bytes"])]
-    cells += [f"{value:.2f}" for value in (cvert["bytes"], cvert["peak"], lossless["bytes"])]
-    cells += [f"{mode['build']:.3f}" for mode in (embree, cvert, lossless)]
-    cells += [f"{cvert[rays + ' closest']:.2f}" for rays in ("coherent", "incoherent")]
-    return "| " + " | ".join([*cells, speeds(compact), speeds(lossless), f"{cvert['moved']:.4f}"]) + " |"
+    cells += [f"{mode['bytes_per_triangle']:.1f}" for mode in (embree, compact)]
+    values = cvert["bytes_per_triangle"], cvert["peak_bytes_per_triangle"], lossless["bytes_per_triangle"]
+    cells += [f"{value:.2f}" for value in values]
+    cells += [f"{mode['build_seconds']:.3f}" for mode in (embree, cvert, lossless)]
+    cells += [speed(cvert, rays) for rays in ("coherent", "incoherent")]
+    cells += [speeds(compact), speeds(lossless), f"{cvert['max_vertex_deviation_edges']:.4f}"]
+    return "| " + " | ".join(cells) + " |"
 
 
 def main():

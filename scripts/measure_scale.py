@@ -83,7 +83,8 @@ def interrupt_build(program, options, path, bytes_of_part, signal_number):
         time.sleep(0.2)
     run.process.send_signal(signal_number)
     run.finish(stopped=True)
-    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": signal_number.name, "ownBytes": run.peak}
+    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": signal_number.name,
+            "anonymous_bytes": run.peak}  # fmt: skip
 
 
 def trace_in_memory(program, folder, kind, count, options):
@@ -94,20 +95,20 @@ def trace_in_memory(program, folder, kind, count, options):
     record = run.finish()
     (result,) = record["results"]
     return {"count": count, "representation": result["representation"], "quads": result["quads"],
-            "bytes": result["live_bytes"], "peak": result["peak_bytes"], "buildSeconds": result["build_seconds"],
+            "bytes": result["live_bytes"], "peak_bytes": result["peak_bytes"], "build_seconds": result["build_seconds"],
             "speed": result["speed"], "command": " ".join(run.command)}  # fmt: skip
 
 
 def from_file(program, folder, count, options):
     """Traces a number of copies of cVERT from a file, in the same view as the copies in memory."""
-    path = folder / "some.cbvh"
+    path = folder / "from_file.cbvh"
     path.unlink(missing_ok=True)
     run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert",
-               "--speed", "--samples", 1, "--size", options.size, "--output", folder / "some", "--save", path],
-              folder / "some.json")  # fmt: skip
+               "--speed", "--samples", 1, "--size", options.size, "--output", folder / "from_file", "--save", path],
+              folder / "from_file.json")  # fmt: skip
     record = run.finish()
     path.unlink()
-    return {"count": count, "quads": record["quads"], "bytes": record["liveBytes"], "fileBytes": record["bytes"],
+    return {"count": count, "quads": record["quads"], "bytes": record["live_bytes"], "file_bytes": record["bytes"],
             "speed": record["speed"], "command": " ".join(run.command)}  # fmt: skip
 
 
@@ -150,18 +151,19 @@ def measure_herd(program, folder, options):
     warm_record = warm.finish()
     (picture,) = (folder / "picture").glob("*.png")
     record = {
-        "count": count, "level": options.level, "quads": warm_record["quads"], "fileBytes": path.stat().st_size,
-        "stops": stops, "found": build_record["found"], "lastQuads": build_record["builtQuads"],
-        "lastSeconds": build_record["buildSeconds"],
-        "deviceBytes": build_record["buildPeakBytes"],
-        "buildSeconds": sum(s["seconds"] for s in stops) + build_record["buildSeconds"],
-        "ownBytes": max(s["ownBytes"] for s in stops),
-        "cold": cold_record, "coldMapped": cold.max_mapped, "warm": warm_record,
-        "renderOwnBytes": max(cold.peak, warm.peak),
+        "count": count, "level": options.level, "quads": warm_record["quads"], "file_bytes": path.stat().st_size,
+        "stops": stops, "resumed_geometries": build_record["resumed_geometries"],
+        "last_quads": build_record["built_quads"],
+        "last_seconds": build_record["build_seconds"],
+        "device_bytes": build_record["build_peak_bytes"],
+        "build_seconds": sum(s["seconds"] for s in stops) + build_record["build_seconds"],
+        "anonymous_bytes": max(s["anonymous_bytes"] for s in stops),
+        "cold": cold_record, "cold_mapped_bytes": cold.max_mapped, "warm": warm_record,
+        "render_anonymous_bytes": max(cold.peak, warm.peak),
         "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
         "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],
     }  # fmt: skip
-    record["some"] = from_file(
+    record["from_file"] = from_file(
         program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_PER_QUAD["cvert"] * quads_per_copy))), options
     )
     if not options.keep:
@@ -170,7 +172,7 @@ def measure_herd(program, folder, options):
         kind: max(1, int(options.memory * GIB / (bytes_per_quad * quads_per_copy)))
         for kind, bytes_per_quad in PEAK_BYTES_PER_QUAD.items()
     }
-    record["beside"] = [trace_in_memory(program, folder, kind, count, options) for kind, count in counts.items()]
+    record["in_memory"] = [trace_in_memory(program, folder, kind, count, options) for kind, count in counts.items()]
     return record
 
 
@@ -235,7 +237,7 @@ def main():
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / scale.RECORD
-    record = json.loads(path.read_text()) if path.exists() else {}
+    record = scale.read(folder) or {}
     record["date"] = datetime.date.today().isoformat()
     if options.only != "levels":
         record["herd"] = measure_herd(options.program, folder, options)

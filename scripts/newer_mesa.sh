@@ -14,7 +14,7 @@
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"
-[ "$#" = 1 ] || refuse "the argument FOLDER is missing"
+[ "$#" = 1 ] || usage_error "the argument FOLDER is missing"
 
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)

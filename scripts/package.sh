@@ -31,7 +31,7 @@ arm64_root() {
 case ${1:-} in
   '') preset=package ;;
   arm64) preset=package-arm64 ;;
-  *) refuse "unknown architecture \"$1\": expected arm64, or none for this machine's" ;;
+  *) usage_error "unknown architecture \"$1\": expected arm64, or none for this machine's" ;;
 esac
 
 phase "packages" install_packages

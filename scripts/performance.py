@@ -67,7 +67,7 @@ def cell(rows, shown):
     for ray_set, query, in_packets in shown:
         modes = rows.isa.map(PACKETS) if in_packets else "single"
         found = rows[
-            (rows["set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)
+            (rows["ray_set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)
         ]
         ratios.append(f"{found.relative_to_grid_median.iloc[0]:.2f}")
     return " ".join(ratios)

@@ -42,15 +42,15 @@ def check_outputs(outputs, folders):
         fail(outputs[0], "is named by two of --output, --tables and --csv; give another name")
 
 
-def read(folder, gpu=(), beside=()):
+def read(folder, gpu=(), other_machines=()):
     """Returns the Data of the folders. Prints a warning for each record that cannot be used."""
-    for path, hint in [(folder, "; scripts/benchmark.py makes it"), *((path, "") for path in beside)]:
+    for path, hint in [(folder, "; scripts/benchmark.py makes it"), *((path, "") for path in other_machines)]:
         if not path.is_dir():
             fail(path, f"no such folder{hint}")
     for path in gpu:
         if not path.exists():
             fail(path, "no such file or folder; scripts/benchmark.py gpu-quick makes one")
-    data = Data(folder, gpu, beside)
+    data = Data(folder, gpu, other_machines)
     if data.table.empty and not data.problems:
         fail(folder, "no measurements in it; scripts/benchmark.py makes them")
     for problem in data.problems:
@@ -69,7 +69,7 @@ def arguments():
     text = "record of a Vulkan device, or a folder of them; may be repeated"
     parser.add_argument("--gpu", type=Path, action="append", default=[], metavar="PATH", help=text)
     text = "records of another machine or instruction set, for their section; may be repeated"
-    parser.add_argument("--beside", type=Path, action="append", default=[], metavar="DIR", help=text)
+    parser.add_argument("--other-machine", type=Path, action="append", default=[], metavar="DIR", help=text)
     text = "records of scripts/measure_scale.py (default: output/benchmark/scale, if it exists)"
     parser.add_argument("--scale", type=Path, metavar="DIR", help=text)
     return parser.parse_args()
@@ -79,11 +79,11 @@ def main():
     options = arguments()
     if options.scale and not scale.read(options.scale):
         fail(options.scale, f"no {scale.RECORD} in it; scripts/measure_scale.py makes it")
-    data = read(options.folder, options.gpu, options.beside)
+    data = read(options.folder, options.gpu, options.other_machine)
     against = read(options.against) if options.against else None
     page = options.output or options.folder / "report.html"
     tables, csv = options.tables or page.with_name("tables.md"), options.csv or page.with_name("records.csv")
-    read_from = [options.folder, options.against, *options.gpu, *options.beside, options.scale]
+    read_from = [options.folder, options.against, *options.gpu, *options.other_machine, options.scale]
     check_outputs((page, tables, csv), filter(None, read_from))
     scale_folder = options.scale or ROOT / "output/benchmark/scale"
     sections = contents.sections(data, against, options.folder.resolve().name, scale_folder)

@@ -31,21 +31,21 @@ unexpected=
 arguments=2
 load() { . "$(dirname -- "$0")/lib.sh"; }
 load "$distribution" "$compiler"
-[ -z "$unexpected" ] || refuse "$unexpected: expected -- before a command"
+[ -z "$unexpected" ] || usage_error "$unexpected: expected -- before a command"
 [ "$#" -gt 0 ] || set -- scripts/demo.sh
 
 case $distribution in
   debian12) suite=bookworm ;;
   debian13) suite=trixie ;;
-  *) refuse "unknown distribution \"$distribution\": expected debian12 or debian13" ;;
+  *) usage_error "unknown distribution \"$distribution\": expected debian12 or debian13" ;;
 esac
 case $compiler in
   gcc | gcc-[0-9]*) cxx=g++${compiler#gcc} ;;
   clang | clang-[0-9]*) cxx=clang++${compiler#clang} ;;
-  *) refuse "\"$compiler\" is not a compiler: expected gcc, clang, gcc-VERSION or clang-VERSION" ;;
+  *) usage_error "\"$compiler\" is not a compiler: expected gcc, clang, gcc-VERSION or clang-VERSION" ;;
 esac
-[ "$(id -u)" = 0 ] || refuse "only root can create and enter a root file system"
-command -v debootstrap > /dev/null || refuse "debootstrap is missing: install the package debootstrap"
+[ "$(id -u)" = 0 ] || usage_error "only root can create and enter a root file system"
+command -v debootstrap > /dev/null || usage_error "debootstrap is missing: install the package debootstrap"
 
 roots=${CBVH_ROOTS:-build/roots}
 mkdir -p "$roots"

@@ -11,7 +11,7 @@
 
 . "$(dirname -- "$0")/lib.sh"
 
-[ "$(getconf GNU_LIBC_VERSION)" = "glibc 2.36" ] || refuse "a wheel must be built on Debian 12"
+[ "$(getconf GNU_LIBC_VERSION)" = "glibc 2.36" ] || usage_error "a wheel must be built on Debian 12"
 libraries=build/wheel-libraries
 targets="embree_cbvh embree_cbvh_cp313 cbvh_render cbvh_pathtracer cbvh_terrain"
 

@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-struct HashOfWords
+struct ArrayHash
 {
   template<size_t N>
   size_t operator()(const std::array<uint32_t, N>& words) const

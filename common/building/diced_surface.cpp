@@ -172,7 +172,7 @@ DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
 void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
 {
   const BorderPoints points(cage);
-  std::unordered_map<BorderPoints::Key, unsigned, HashOfWords> known;
+  std::unordered_map<BorderPoints::Key, unsigned, ArrayHash> known;
   for (size_t i = firstPatch; i < firstPatch + numPatches; i++)
   {
     const Patch& patch = layout.patches()[i];

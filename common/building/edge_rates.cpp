@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "building/edge_rates.h"
-#include "surface/placed_map.h"
+#include "surface/mapped_texture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,9 +15,9 @@ namespace {
 struct Names
 {
   RepresentationKind kind;
-  std::string word;   // on command lines, in file names
-  std::string label;  // in tables
-  std::string config; // of the device
+  std::string optionName; // on command lines, in file names
+  std::string label;      // in tables
+  std::string config;     // of the device
   bool hasFrames;
   RTCCompression compression;
 };
@@ -39,7 +39,7 @@ std::vector<Names> makeNames()
     /* Explicit, because EMBREE_CBVH may set it. */
     Names only = names.back();
     only.kind = RepresentationKind::CLeafOnly;
-    only.word += "-only";
+    only.optionName += "-only";
     only.label += "-only";
     only.config += ",cbvh_fallback_faces=0";
     names.back().config += ",cbvh_fallback_faces=1";
@@ -63,12 +63,12 @@ const Names& namesOf(RepresentationKind kind)
 /* `name` is in lower case. */
 bool isNameOf(const Names& names, const std::string& name)
 {
-  if (name == names.word)
+  if (name == names.optionName)
     return true;
   if (names.compression == RTC_COMPRESSION_NONE)
     return false;
-  const std::string key = names.word.substr(1); // without "c"
-  return name == "cbvh." + key || (name == key && name != namesOf(RepresentationKind::Grid).word);
+  const std::string key = names.optionName.substr(1); // without "c"
+  return name == "cbvh." + key || (name == key && name != namesOf(RepresentationKind::Grid).optionName);
 }
 
 /* Empty unless the frame level is explicit. */
@@ -99,14 +99,14 @@ const std::string& labelOf(RepresentationKind kind)
 
 const std::string& optionNameOf(RepresentationKind kind)
 {
-  return namesOf(kind).word;
+  return namesOf(kind).optionName;
 }
 
 std::string listOfRepresentations(const std::string& separator, const std::string& last)
 {
   std::string list;
   for (const Names& names : allNames())
-    list += (list.empty() ? "" : &names == &allNames().back() ? last : separator) + names.word;
+    list += (list.empty() ? "" : &names == &allNames().back() ? last : separator) + names.optionName;
   return list;
 }
 
@@ -115,7 +115,7 @@ std::string defaultRepresentations()
   std::string list;
   for (const Names& names : allNames())
     if (names.kind != RepresentationKind::CLeafOnly)
-      list += (list.empty() ? "" : ",") + names.word;
+      list += (list.empty() ? "" : ",") + names.optionName;
   return list;
 }
 
@@ -147,7 +147,7 @@ std::string Representation::label() const
 
 std::string Representation::fileStem() const
 {
-  return namesOf(kind).word + frameLevelAfter("", *this);
+  return namesOf(kind).optionName + frameLevelAfter("", *this);
 }
 
 RTCCompression Representation::compression() const

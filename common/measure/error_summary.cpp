@@ -18,7 +18,7 @@ void ErrorSamples::add(float pixels, float degrees, std::optional<float> quads)
   angles.push_back(degrees);
   flipped += degrees > 90.0f;
   if (quads)
-    cells.push_back(*quads);
+    uvDistances.push_back(*quads);
   else
     otherPatch++;
 }
@@ -33,8 +33,8 @@ ErrorSummary ErrorSamples::summary()
   s.normalMedian = quantile(angles, 0.5);
   s.normalP99 = quantile(angles, 0.99);
   s.flipped = flipped;
-  s.uvMedian = quantile(cells, 0.5);
-  s.uvP99 = quantile(cells, 0.99);
+  s.uvMedian = quantile(uvDistances, 0.5);
+  s.uvP99 = quantile(uvDistances, 0.99);
   s.otherPatch = otherPatch;
   return s;
 }

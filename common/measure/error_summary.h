@@ -37,7 +37,7 @@ public:
   ErrorSummary summary();
 
 private:
-  std::vector<float> distances, angles, cells;
+  std::vector<float> distances, angles, uvDistances;
   double sumOfSquares = 0;
   size_t flipped = 0, otherPatch = 0;
 };

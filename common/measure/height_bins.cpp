@@ -97,7 +97,7 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
   {
     for (int k = 0; k < errorsPerBin; k++)
       errors.push_back((float(k) + 0.5f) / errorsPerBin * 0.5f * b);
-    const double farthest = std::min(0.5 * b, double(farOffPixels));
+    const double farthest = std::min(0.5 * b, double(outlierPixels));
     const double share = b > 0.0f ? 2.0 * farthest / b : 1.0;
     weight += share;
     sumOfSquares += share * farthest * farthest / 3.0;

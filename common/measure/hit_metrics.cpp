@@ -53,8 +53,8 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
     result.misses += pixels[i] == missError;
     if (pixels[i] < 0.0f)
       continue;
-    if (pixels[i] > farOffPixels)
-      result.farOff++;
+    if (pixels[i] > outlierPixels)
+      result.outliers++;
     else
     {
       inlierSquares += double(pixels[i]) * pixels[i];
@@ -65,7 +65,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
     samples.add(pixels[i], angle * 180.0f / float(M_PI), distanceOnPatch(reference[i], hits[i], layout));
   }
   result.bothHit = samples.hits();
-  const size_t inliers = result.bothHit - result.farOff;
+  const size_t inliers = result.bothHit - result.outliers;
   result.inlierRmse = rootOfMean(inlierSquares, inliers);
   result.bias = inliers ? signedSum / double(inliers) : 0.0;
   static_cast<ErrorSummary&>(result) = samples.summary();

@@ -24,7 +24,7 @@ struct HitErrors : ErrorSummary
   size_t misses = 0;    // misses where the reference hits
   /* Errors above 5 pixels usually mean another sheet of the surface, at a silhouette or through a crack. inlierRmse
    * and bias exclude them, because a few would dominate. */
-  size_t farOff = 0;
+  size_t outliers = 0;
   double inlierRmse = 0;
   double bias = 0; // mean signed distance along the ray, positive behind the reference
 };
@@ -34,7 +34,7 @@ struct HitErrors : ErrorSummary
 HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits, float footprint,
                       const PatchLayout& layout);
 
-constexpr float farOffPixels = 5.0f;
+constexpr float outlierPixels = 5.0f;
 
 /* Correct if a ray slipped between two triangles in one of the traversals. */
 std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b);

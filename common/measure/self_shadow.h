@@ -58,6 +58,7 @@ struct ShadowErrors
   size_t sum() const { return falseOcclusions + falsePasses; }
 };
 
+/* A rate of errors is per ray of the same subset. */
 struct ShadowComparison
 {
   size_t rays = 0;

@@ -21,7 +21,7 @@ std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, con
     return std::abs(t - hits[other].t) <= tolerance * camera.footprint() * hits[middle].t; // false for NaN
   };
 
-  std::vector<size_t> away;
+  std::vector<size_t> found;
   for (int y = 1; y + 1 < height; y++)
     for (int x = 1; x + 1 < width; x++)
     {
@@ -29,9 +29,9 @@ std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, con
       for (int k = 0; all && k < 9; k++)
         all = seesPlane(index(x, y), index(x + k % 3 - 1, y + k / 3 - 1));
       if (all)
-        away.push_back(index(x, y));
+        found.push_back(index(x, y));
     }
-  return away;
+  return found;
 }
 
 } // namespace cbvh

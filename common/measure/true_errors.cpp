@@ -14,9 +14,9 @@ namespace {
 /* In pixels unless stated otherwise. */
 struct Measure
 {
-  bool isMeasured = false, isFarOff = false;
+  bool isMeasured = false, isOutlier = false;
   float distance = 0, world = 0, along = 0, angle = 0; // world: world units; angle: degrees
-  std::optional<float> cells; // distance in (u,v) in quads, on the same patch
+  std::optional<float> uvDistance; // in quads, on the same patch
 };
 
 Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout)
@@ -46,13 +46,13 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const auto intersection = surface.crossing(origin, direction, foot, 1.0 / resolution,
                                          crossingTolerance * pixel / copy.scale);
   result.along = intersection ? float(dot(x - intersection->position, direction) * copy.scale / pixel) : INFINITY;
-  result.isFarOff = std::abs(result.along) > farOffPixels;
+  result.isOutlier = std::abs(result.along) > outlierPixels;
 
   const Vec3d a = normalize(cross(foot.du, foot.dv));
   const Vec3d b = normalize(copy.directionToCage(toDouble(hit.normal)));
   result.angle = float(std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / M_PI);
   if (foot.at.face == start.face && foot.at.subPatch == start.subPatch)
-    result.cells = float(std::hypot(foot.at.u - start.u, foot.at.v - start.v) * resolution);
+    result.uvDistance = float(std::hypot(foot.at.u - start.u, foot.at.v - start.v) * resolution);
   return result;
 }
 
@@ -89,11 +89,11 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   {
     if (!m.isMeasured)
       continue;
-    samples.add(m.distance, m.angle, m.cells);
+    samples.add(m.distance, m.angle, m.uvDistance);
     world.push_back(m.world);
     squaresWorld += double(m.world) * m.world;
-    result.farOff += m.isFarOff;
-    if (!m.isFarOff)
+    result.outliers += m.isOutlier;
+    if (!m.isOutlier)
     {
       squaresAlong += double(m.along) * m.along;
       sumAlong += m.along;
@@ -101,7 +101,7 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   }
   static_cast<ErrorSummary&>(result) = samples.summary();
   result.hits = samples.hits();
-  const size_t inliers = result.hits - result.farOff;
+  const size_t inliers = result.hits - result.outliers;
   result.rmseWorld = rootOfMean(squaresWorld, result.hits);
   result.medianWorld = quantile(world, 0.5);
   result.p99World = quantile(world, 0.99);

@@ -23,7 +23,7 @@ struct TrueErrors : ErrorSummary
   /* Signed distance along the ray in pixels, positive behind the true surface. Excludes rays that do not intersect
    * it within 5 pixels. */
   double rmseAlong = 0, bias = 0;
-  size_t farOff = 0; // hits of the excluded rays
+  size_t outliers = 0; // hits of the excluded rays
 };
 
 /* Indices of `count` random hits, or of all if there are fewer, in ascending order. */

@@ -20,8 +20,8 @@ inline nlohmann::json summaryJson(const ErrorSummary& e)
           {"normal_median_degrees", e.normalMedian},
           {"normal_p99_degrees", e.normalP99},
           {"flipped_normals", e.flipped},
-          {"uv_median_cells", e.uvMedian},
-          {"uv_p99_cells", e.uvP99},
+          {"uv_median_quads", e.uvMedian},
+          {"uv_p99_quads", e.uvP99},
           {"other_patch", e.otherPatch}};
 }
 
@@ -32,8 +32,8 @@ inline nlohmann::json errorsJson(const HitErrors& e)
   json.update({{"rays", e.rays},
                {"both_hit", e.bothHit},
                {"bias_pixels", e.bias},
-               {"beyond_5_pixels", e.farOff},
-               {"rmse_of_others_pixels", e.inlierRmse},
+               {"beyond_5_pixels", e.outliers},
+               {"inlier_rmse_pixels", e.inlierRmse},
                {"false_hits", e.falseHits},
                {"misses", e.misses}});
   return json;
@@ -49,7 +49,7 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
                {"p99_world", e.p99World},
                {"rmse_along_ray_pixels", e.rmseAlong},
                {"bias_pixels", e.bias},
-               {"not_within_5_pixels_along_ray", e.farOff}});
+               {"not_within_5_pixels_along_ray", e.outliers}});
   return json;
 }
 
@@ -58,7 +58,7 @@ inline nlohmann::json heightBinsJson(const HeightBins& b)
   return {{"hits", b.hits},
           {"quantiles_pixels", b.quantiles},
           {"median_pixels", b.median},
-          {"rmse_of_others_pixels", b.inlierRmse}};
+          {"inlier_rmse_pixels", b.inlierRmse}};
 }
 
 } // namespace cbvh

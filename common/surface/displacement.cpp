@@ -3,7 +3,7 @@
 
 #include "surface/displacement.h"
 #include "basics/progress.h"
-#include "surface/placed_map.h"
+#include "surface/mapped_texture.h"
 #include "surface/vector_displacement.h"
 
 #include <vector>
@@ -14,36 +14,36 @@ namespace {
 class HeightDisplacement : public Displacement
 {
 public:
-  HeightDisplacement(std::unique_ptr<PlacedMap> map, float scale, float midLevel)
-    : map(std::move(map)), scale(scale), midLevel(midLevel)
+  HeightDisplacement(std::unique_ptr<MappedTexture> texture, float scale, float midLevel)
+    : texture(std::move(texture)), scale(scale), midLevel(midLevel)
   {
   }
 
   void offsets(const SurfacePoints& points, float* out) const override
   {
-    const FaceBorders& borders = map->borders();
+    const FaceBorders& borders = texture->borders();
     for (size_t i = 0; i < points.n; i++)
     {
       const FacePoint p{points.face, points.u[i], points.v[i]};
       float h = height(p, points.levelAt(i));
       const FaceBorders::BorderPosition at = borders.borderPosition(p);
-      if (at.edge >= 0 && map->isSeam(p.face, at))
+      if (at.edge >= 0 && texture->isSeam(p.face, at))
         h = borders.mean(p.face, at, h, [&](const FacePoint& q) { return height(q, points.levelAt(i)); });
       out[i] = scale * (h - midLevel);
     }
   }
 
-  float texelsAlongEdge(unsigned face, unsigned edge) const override { return map->texelsAlongEdge(face, edge); }
+  float texelsAlongEdge(unsigned face, unsigned edge) const override { return texture->texelsAlongEdge(face, edge); }
 
 private:
   float height(const FacePoint& p, float level) const
   {
     float h = midLevel;
-    map->sample(p, level, &h);
+    texture->sample(p, level, &h);
     return h;
   }
 
-  std::unique_ptr<PlacedMap> map;
+  std::unique_ptr<MappedTexture> texture;
   float scale, midLevel;
 };
 
@@ -70,10 +70,10 @@ float midLevelOf(const DisplacementMap& map)
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings)
 {
   Phase phase("displacement map");
-  std::unique_ptr<PlacedMap> placed = PlacedMap::create(cage, map, warnings);
+  std::unique_ptr<MappedTexture> texture = MappedTexture::create(cage, map, warnings);
   if (map.values == MapValues::Heights)
-    return std::make_unique<HeightDisplacement>(std::move(placed), map.scale, midLevelOf(map));
-  return displaceByVectors(cage, std::move(placed), map);
+    return std::make_unique<HeightDisplacement>(std::move(texture), map.scale, midLevelOf(map));
+  return displaceByVectors(cage, std::move(texture), map);
 }
 
 } // namespace cbvh

@@ -76,7 +76,7 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(pending.temporary().c_str(), "w"));
   if (!file)
     throw Error(path + ": " + std::strerror(errno));
-  std::unordered_map<std::array<uint32_t, 3>, unsigned, HashOfWords> known;
+  std::unordered_map<std::array<uint32_t, 3>, unsigned, ArrayHash> known;
   std::vector<unsigned> number(vertices.size()); // from 1; 0 for vertices that are not finite
   for (size_t i = 0; i < vertices.size(); i++)
   {

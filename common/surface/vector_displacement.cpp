@@ -64,11 +64,11 @@ Tangents findTangents(const Cage& cage, const FaceBorders& borders)
 class VectorDisplacement : public Displacement
 {
 public:
-  VectorDisplacement(const Cage& cage, std::unique_ptr<PlacedMap> placed, const DisplacementMap& description)
-    : map(std::move(placed)), scale(description.scale), midLevel(midLevelOf(description))
+  VectorDisplacement(const Cage& cage, std::unique_ptr<MappedTexture> mapped, const DisplacementMap& description)
+    : texture(std::move(mapped)), scale(description.scale), midLevel(midLevelOf(description))
   {
     if (description.values == MapValues::TangentVectors)
-      tangents = findTangents(cage, map->borders());
+      tangents = findTangents(cage, texture->borders());
   }
 
   bool isAlongNormals() const override { return false; }
@@ -80,7 +80,7 @@ public:
 
   void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* out) const override
   {
-    const FaceBorders& borders = map->borders();
+    const FaceBorders& borders = texture->borders();
     for (size_t i = 0; i < points.n; i++)
     {
       const FacePoint p{points.face, points.u[i], points.v[i]};
@@ -92,36 +92,36 @@ public:
     }
   }
 
-  float texelsAlongEdge(unsigned face, unsigned edge) const override { return map->texelsAlongEdge(face, edge); }
+  float texelsAlongEdge(unsigned face, unsigned edge) const override { return texture->texelsAlongEdge(face, edge); }
 
 private:
   Vec3f vector(const FacePoint& p, float level, Vec3f normal) const
   {
     float v[3] = {midLevel, midLevel, midLevel};
-    map->sample(p, level, v);
+    texture->sample(p, level, v);
     for (float& x : v)
       x = scale * (x - midLevel);
     if (tangents.corners.empty())
       return {v[0], v[1], v[2]};
-    const FaceBorders& borders = map->borders();
+    const FaceBorders& borders = texture->borders();
     const Vec3f along = interpolate(&tangents.corners[borders.corner(p.face, 0)], borders.size(p.face), p);
     const Vec3f tangent = normalize(along - dot(along, normal) * normal);
     return v[0] * tangent + v[1] * normal + (tangents.sides[p.face] * v[2]) * cross(normal, tangent);
   }
 
-  std::unique_ptr<PlacedMap> map;
+  std::unique_ptr<MappedTexture> texture;
   float scale, midLevel;
   Tangents tangents; // empty for vectors along the cage's axes
 };
 
 } // namespace
 
-std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<PlacedMap> map,
+std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<MappedTexture> texture,
                                                 const DisplacementMap& description)
 {
   if (description.values == MapValues::TangentVectors && !cage.hasUVs())
     throw Error(cage.name + ": vectors in tangent space need texture coordinates, but the cage has none");
-  return std::make_unique<VectorDisplacement>(cage, std::move(map), description);
+  return std::make_unique<VectorDisplacement>(cage, std::move(texture), description);
 }
 
 } // namespace cbvh

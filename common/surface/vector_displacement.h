@@ -3,15 +3,15 @@
 
 #pragma once
 
-#include "surface/placed_map.h"
+#include "surface/mapped_texture.h"
 
 #include <memory>
 
 namespace cbvh {
 
-/* `map` has three channels; `description` holds scale, mid level and axes. Throws Error for tangent-space vectors
+/* `texture` has three channels; `description` holds scale, mid level and axes. Throws Error for tangent-space vectors
  * without texture coordinates. */
-std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<PlacedMap> map,
+std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<MappedTexture> texture,
                                                 const DisplacementMap& description);
 
 } // namespace cbvh

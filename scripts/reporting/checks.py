@@ -26,7 +26,7 @@ DARK = ("false_occlusions", "false_passes")
 
 
 def per_thousand(errors, rays="rays", keys=DARK):
-    """Returns a function that computes how many of a thousand rays have errors of these keys."""
+    """Returns a function that computes how many of a thousand of these rays have errors of these keys."""
     return lambda row: 1000 * sum(row[f"shadow_{errors}_{key}"] for key in keys) / max(1, row[f"shadow_{rays}"])
 
 
@@ -37,11 +37,12 @@ LEAKS += [(f"GRID: {head}", f"leaks_missed_by_grid_{key}", "{:.0f}") for head, k
 CROSSED = {"sheets": "sheets", "rays": "rays", "closest": "closest", "any hit": "any", "GRID, too": "missed_by_grid"}
 SHEETS = [("", "representation", str), *((head, f"sheets_{key}", "{:,.0f}") for head, key in CROSSED.items())]
 ERROR_RATES = {"wrong": ("errors",), "dark": ("errors", "rays", DARK[:1]), "bright": ("errors", "rays", DARK[1:])}
-ERROR_RATES |= {"same place": ("same_place_errors", "same_place_rays")}
-ERROR_RATES |= {"turned": ("turned_errors",), "control": ("control_errors",)}
+ERROR_RATES |= {"same hit": ("same_hit_errors", "same_hit_rays"), "flipped": ("flipped_errors", "flipped_rays")}
+ERROR_RATES |= {"control": ("control_errors",)}
 SHADOWS = [("", place, str), ("offset", "shadow_offset", str)]
 SHADOWS += [("rays", lambda row: "short" if row.shadow_length > 0 else "infinite", str)]
 SHADOWS += [(head, per_thousand(*errors), "{:.3f}") for head, errors in ERROR_RATES.items()]
+SHADOWS += [("rays flipped", lambda row: 1000 * row.shadow_flipped_rays / max(1, row.shadow_rays), "{:.3f}")]
 
 
 def tables(frame):

@@ -31,7 +31,7 @@ def with_speeds(table):
     coherent_any and incoherent_any in millions per second; coherent_of_grid and so on as multiples of GRID's."""
     views = table[table.what.isin(("speed", "view")) & table["view"].notna()].drop_duplicates(["result", "view"])
     single = table[(table.what == "speed") & (table["mode"] == "single") & (table.threads == 1)]
-    names = single["set"].astype(str) + single["query"].map({"any": "_any"}).fillna("")
+    names = single["ray_set"].astype(str) + single["query"].map({"any": "_any"}).fillna("")
     for column, ending in (("mrays_per_second_median", ""), ("relative_to_grid_median", "_of_grid")):
         wide = single.assign(name=names + ending).pivot_table(column, ["result", "view"], "name", aggfunc="first")
         wanted = [f"{rays}{query}{ending}" for rays in RAY_SETS for query in ("", "_any")]
@@ -44,9 +44,9 @@ class Data:
     than the rows in `here`, so that only their own sections show them. full: a row for each scene, level and
     representation in the full view on the widest instruction set."""
 
-    def __init__(self, folder, gpu=(), beside=()):
+    def __init__(self, folder, gpu=(), other_machines=()):
         rows, self.runs, self.problems = records.read(Path(folder), "here")
-        for origin, where, paths in (("gpu", "a Vulkan device", gpu), ("elsewhere", "a processor", beside)):
+        for origin, where, paths in (("gpu", "a Vulkan device", gpu), ("elsewhere", "a processor", other_machines)):
             for path in map(Path, paths):
                 found, _, problems = records.read(path, origin)
                 found = [row for row in found if origin == "gpu" or row["origin"] == origin]

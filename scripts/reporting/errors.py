@@ -9,11 +9,11 @@ from .formats import EXACT, Fold, is_known, pixels, signed, table
 MESH, TRUE = "errors", "errors_to_true_surface"  # against GRID's mesh of the same level, against the true surface
 SERIES = {MESH: ("against the mesh", f.BLUE, "o"), TRUE: ("against the true surface", f.ORANGE, "D")}
 TARGET = 1.5  # largest accepted ratio to the error of 4 bits
-AWAY = "away_from_silhouettes_rmse_of_others_pixels"
+AWAY = "away_from_silhouettes_inlier_rmse_pixels"
 COMPARED = {  # columns of cLEAF-only and of 4 bits
     "median": ("errors_median_pixels", "bins_of_4_bits_median_pixels"),
     "RMSE away": (f"errors_{AWAY}", f"bins_of_4_bits_{AWAY}"),
-    "RMSE": ("errors_rmse_of_others_pixels", "bins_of_4_bits_rmse_of_others_pixels"),
+    "RMSE": ("errors_inlier_rmse_pixels", "bins_of_4_bits_inlier_rmse_pixels"),
 }
 
 
@@ -51,7 +51,7 @@ for prefix, of in (("mesh: ", MESH), ("true: ", TRUE)):
     BOTH += [column(f"{prefix}{head}", of, f"{head}_pixels", pixels) for head in ("median", "p99")]
     BOTH += [column(f"{prefix}bias", of, "bias_pixels", signed)]
     BOTH += [column(f"{prefix}normal", of, "normal_median_degrees", "{:.2f}")]
-    BOTH += [column(f"{prefix}(u,v)", of, "uv_median_cells", pixels)]
+    BOTH += [column(f"{prefix}(u,v)", of, "uv_median_quads", pixels)]
 BOTH += [column("mesh: flipped", MESH, "flipped_normals", "{:.0f}"), ("rules", dominant, str)]
 BINS = [*WHERE, ("bins: median", lambda row: row.bins_of_4_bits_quantiles_pixels[9], pixels)]
 BINS += [("bins: 90%", lambda row: row.bins_of_4_bits_quantiles_pixels[17], pixels)]

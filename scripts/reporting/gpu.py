@@ -36,7 +36,7 @@ def device_views(data):
     views = views.sort_values(["run_settings_repeat", "run_date"], kind="stable")
     rows = views[(views.origin == "gpu") & views.on_device_device_bytes.notna() & (views["speeds"] > 0)]
     rows = rows.drop_duplicates([*SAME, "device"], keep="last")
-    cpu = views[views.origin.isin(("here", "beside gpu"))].drop_duplicates(SAME, keep="last")[[*SAME, *RAYS]]
+    cpu = views[views.origin.isin(("here", "gpu baseline"))].drop_duplicates(SAME, keep="last")[[*SAME, *RAYS]]
     rows = rows.merge(cpu, "left", SAME, suffixes=("", "_cpu"))
     rows["held_bytes"] = rows.on_device_device_bytes + rows.on_device_imported_bytes
     rows["held_per_quad"] = rows.held_bytes / rows.quads
@@ -127,5 +127,5 @@ def section(data):
             shown = of_scene(part, name)
             parts += [noise(found), *shown] if i == 0 else [Fold(name, shown)]
         parts += [Fold("Leaks, sheets and shadows on the device", checks.tables(found))]
-    commands = data.table[data.table.origin.isin(("gpu", "beside gpu"))].command
-    return parts + data.skipped("gpu", "beside gpu") if parts else [], commands
+    commands = data.table[data.table.origin.isin(("gpu", "gpu baseline"))].command
+    return parts + data.skipped("gpu", "gpu baseline") if parts else [], commands

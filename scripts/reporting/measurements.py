@@ -25,7 +25,7 @@ ERRORS = [
     ("true surface: p99", "errors_to_true_surface_p99_pixels", pixels),
 ]  # fmt: skip
 PLACE = [("", lambda row: f"{row.scene} {row.representation}, level {row.level}", str), ("view", "view", str)]
-PLACE += [("rays", "set", str), ("query", "query", str), ("threads", "threads", "{:.0f}")]
+PLACE += [("rays", "ray_set", str), ("query", "query", str), ("threads", "threads", "{:.0f}")]
 SPEEDS = [*PLACE, ("instruction set", "isa", str), ("entrance", "mode", str)]
 SPEEDS += [("Mrays/s", "mrays_per_second_median", "{:.3f}"), ("of GRID", "relative_to_grid_median", percent)]
 SPEEDS += [("spread", "relative_to_grid_spread", percent), ("rounds", lambda row: len(row.seconds), str)]
@@ -52,7 +52,8 @@ def section(data):
 
 def entrances(data):
     """Speeds of each function of the API: millions per second, and percent of GRID's speed with the same function."""
-    rows, keys = data.of_isa[data.of_isa.what == "speed"], ["scene", "level", "representation", "view", "set", "query"]
+    rows = data.of_isa[data.of_isa.what == "speed"]
+    keys = ["scene", "level", "representation", "view", "ray_set", "query"]
     rows = rows[rows.job.isin(("entrances", "threads")) | rows.result.isin(rows[rows["mode"] != "single"].result)]
     text = rows.mrays_per_second_median.map("{:.2f}".format) + rows.relative_to_grid_median.map(" ({:.0%})".format)
     wide = rows.assign(text=text).pivot_table("text", [*keys, "threads"], "mode", aggfunc="first")

@@ -3,7 +3,7 @@
 
 """The run: machine, date, and noise of its speeds."""
 
-COMBINATION = ["job", "scene", "level", "representation", "isa", "view", "set", "query", "mode", "threads"]
+COMBINATION = ["job", "scene", "level", "representation", "isa", "view", "ray_set", "query", "mode", "threads"]
 
 
 def period(runs):

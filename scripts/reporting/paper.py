@@ -96,7 +96,7 @@ def figure_16(data):
     views = data.full[(data.full.scene == main) & data.full.level.isin(LEVELS) & data.full.representation.isin(LABELS)]
     single = (here.what == "speed") & (here["mode"] == "single") & (here.threads == 1) & (here["query"] == "closest")
     speeds = here[single & (here["view"] == "full") & here.result.isin(views.result)]
-    found = [(rays, speeds[speeds["set"] == rays]) for rays in RAY_SETS if (speeds["set"] == rays).any()]
+    found = [(rays, speeds[speeds["ray_set"] == rays]) for rays in RAY_SETS if (speeds["ray_set"] == rays).any()]
     charts = [f.chart(f"Speed, {rays} rays", 3.6, bars, f"{main}, {rays}", of_set) for rays, of_set in found]
     for kind in ("NAIVE", "NAIVE-compact", "cGRID", "cVOXEL", "cLEAF-only", "cVERT"):
         found, paper = ratios(data, kind, main), [f"{value}%" for value in PAPER_SPEEDS.get(kind, ())] or ["-"] * 3

@@ -14,13 +14,13 @@ import pandas
 import bench_records
 
 OUTPUTS = re.compile(r" --(json|pictures|maps) ('[^']*'|\S+)")
-CHECKS = {"shadows": "shadow", "crossings": "crossing", "hits_beside_first_library": "agreement"}  # lists of a result
-ERRORS = """median_pixels p99_pixels max_pixels rmse_pixels bias_pixels rmse_of_others_pixels rmse_along_ray_pixels
-    normal_median_degrees flipped_normals uv_median_cells rays beyond_5_pixels false_hits misses""".split()
+CHECKS = {"shadows": "shadow", "crossings": "crossing", "hit_agreement": "agreement"}  # lists of a result
+ERRORS = """median_pixels p99_pixels max_pixels rmse_pixels bias_pixels inlier_rmse_pixels rmse_along_ray_pixels
+    normal_median_degrees flipped_normals uv_median_quads rays beyond_5_pixels false_hits misses""".split()
 KINDS_OF_ERRORS = """errors errors_away_from_silhouettes errors_to_reference_level errors_to_true_surface bounced
     """.split()
 COLUMNS = """what origin job scene level representation kind isa device quads result speeds view_count folder command
-    skipped frame_level view picture error_map set query mode threads seconds build_seconds mrays_per_second_median
+    skipped frame_level view picture error_map ray_set query mode threads seconds build_seconds mrays_per_second_median
     mrays_per_second_min mrays_per_second_max relative_to_grid_median relative_to_grid_spread memory_live_bytes
     memory_compression_leaf_bytes memory_compression_node_bytes memory_compression_header_bytes
     memory_compression_fallback_quads memory_compression_quads on_device_device_bytes on_device_imported_bytes
@@ -69,7 +69,7 @@ def rows_of_record(record, job, numbers=count()):
 
 def read(path, origin):
     """Returns the rows of a record or of a folder of records, the runs, and a line for each record that cannot be read.
-    The origin is "gpu" for measurements on a device and "beside gpu" for the CPU measurements that they are compared
+    The origin is "gpu" for measurements on a device and "gpu baseline" for the CPU measurements that they are compared
     with."""
     rows, runs, problems = [], [], []
     for file in sorted(path.glob("*.json")) if path.is_dir() else [path]:
@@ -80,10 +80,10 @@ def read(path, origin):
             continue
         runs.append(record["run"])
         job = file.stem.rsplit("_L", 1)[0]
-        beside = "beside gpu" if origin == "gpu" or job.startswith("gpu_") else origin
+        cpu_origin = "gpu baseline" if origin == "gpu" or job.startswith("gpu_") else origin
         for row in rows_of_record(record, job):
-            of_file = {"origin": "gpu" if row["device"] else beside, "record": file.name, "folder": str(file.parent)}
-            rows.append({**row, **of_file})
+            row_origin = "gpu" if row["device"] else cpu_origin
+            rows.append({**row, "origin": row_origin, "record": file.name, "folder": str(file.parent)})
     return rows, runs, problems
 
 

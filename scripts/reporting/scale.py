@@ -4,15 +4,22 @@
 """Scale: the herd of ten billion quads, and levels by the view, as scripts/measure_scale.py measured them."""
 
 import json
+import re
 from pathlib import Path
 
 import pandas
+
+from bench_records import renamed
 
 from .data import RAY_SETS
 from .figures import Picture
 from .formats import Table, table
 
 RECORD = "scale.json"
+# Former names of members, except for names in camelCase.
+NEW_NAMES = {"beside": "in_memory", "some": "from_file", "found": "resumed_geometries", "peak": "peak_bytes"}
+NEW_NAMES |= {"ownBytes": "anonymous_bytes", "renderOwnBytes": "render_anonymous_bytes"}
+NEW_NAMES |= {"coldMapped": "cold_mapped_bytes"}
 GIB = 2**30
 SPEEDS = [(f"million {rays} rays per second", f"speed_{rays}_closest_mrays_per_second", "{:.2f}") for rays in RAY_SETS]
 LEVELS = [
@@ -24,10 +31,14 @@ LEVELS = [
 ]  # fmt: skip
 
 
+def new_name(name):
+    return NEW_NAMES.get(name) or re.sub("[A-Z]", lambda letter: "_" + letter[0].lower(), name)
+
+
 def read(folder):
     """Returns the record, or None."""
     path = Path(folder) / RECORD
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    return renamed(json.loads(path.read_text(encoding="utf-8")), new_name) if path.exists() else None
 
 
 def gib(count):
@@ -37,14 +48,14 @@ def gib(count):
 def herd_table(herd):
     """The herd from a file, and the memory that representations of Embree would require, computed from the copies that
     fitted."""
-    some, memory, rows = herd["some"], herd["memory"], []
-    own = f"{gib(herd['renderOwnBytes'])}, and {gib(herd['fileBytes'])} on disk"
+    part, memory, rows = herd["from_file"], herd["memory"], []
+    own = f"{gib(herd['render_anonymous_bytes'])}, and {gib(herd['file_bytes'])} on disk"
     found = [("cVERT, from a file", herd, own, "whatever the disk holds", herd["warm"]["speed"])]
-    found += [(f"cVERT, {some['count']} copies from a file", some, "-", "-", some["speed"])]
-    for other in herd["beside"]:
+    found += [(f"cVERT, {part['count']} copies from a file", part, "-", "-", part["speed"])]
+    for other in herd["in_memory"]:
         each, name = other["bytes"] / other["quads"], f"{other['representation']}, {other['count']} copies in memory"
         total = f"{gib(each * herd['quads'])}, computed from {each:.1f} bytes per quad"
-        most = f"{memory / (other['peak'] / other['quads']) / 1e9:.2f} billion"
+        most = f"{memory / (other['peak_bytes'] / other['quads']) / 1e9:.2f} billion"
         found.append((name, other, total, most, other["speed"]))
     for name, of, total, most, speed in found:
         speeds = [f"{speed[rays]['closest']['mrays_per_second']:.2f}" for rays in RAY_SETS]
@@ -57,15 +68,16 @@ def herd_text(herd):
     """A paragraph on how the herd was built and opened."""
     ends, mib = {"SIGINT": "interrupted", "SIGKILL": "killed"}, 2**20
     stops = " and ".join(f"{ends[stop['signal']]} at {gib(stop['bytes'])}" for stop in herd["stops"])
-    cold, warm = (herd[state]["openSeconds"] * 1e3 for state in ("cold", "warm"))
+    cold, warm = (herd[state]["open_seconds"] * 1e3 for state in ("cold", "warm"))
     return (
         f"{herd['count']} T-rexes, each in a pose of its own, at level {herd['level']}: {herd['quads']:,} quads, "
-        f"{herd['fileBytes'] / herd['quads']:.2f} bytes each. Built in {herd['buildSeconds'] / 60:.1f} minutes on "
-        f"{herd['threads']} threads, {herd['lastQuads'] / herd['lastSeconds'] / 1e6:.1f} million quads per second, "
-        f"with at most {herd['ownBytes'] / mib:,.0f} MiB of the program's memory, {herd['deviceBytes'] / mib:,.0f} of "
-        f"them the kernels'; {stops}, and resumed each time. Opened in {cold:.0f} ms with nothing of it in memory, and "
-        f"in {warm:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples per pixel then takes "
-        f"{herd['cold']['pictureSeconds']:.1f} s; rays meet {gib(herd['coldMapped'])} of the file. Other "
+        f"{herd['file_bytes'] / herd['quads']:.2f} bytes each. Built in {herd['build_seconds'] / 60:.1f} minutes on "
+        f"{herd['threads']} threads, {herd['last_quads'] / herd['last_seconds'] / 1e6:.1f} million quads per second, "
+        f"with at most {herd['anonymous_bytes'] / mib:,.0f} MiB of the program's memory, "
+        f"{herd['device_bytes'] / mib:,.0f} of them the kernels'; {stops}, and resumed each time. Opened in "
+        f"{cold:.0f} ms with nothing of it in memory, and in {warm:.0f} ms again. A picture of {herd['size']} "
+        f"with {herd['samples']} samples per pixel then takes "
+        f"{herd['cold']['picture_seconds']:.1f} s; rays meet {gib(herd['cold_mapped_bytes'])} of the file. Other "
         f"representations have as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single "
         "rays."
     )
@@ -86,7 +98,8 @@ def section(folder):
         return [], []
     if "herd" in record:
         herd = record["herd"]
-        commands += [*herd["commands"], herd["some"]["command"], *(other["command"] for other in herd["beside"])]
+        commands += [*herd["commands"], herd["from_file"]["command"]]
+        commands += [other["command"] for other in herd["in_memory"]]
         path = Path(folder) / "picture" / herd["picture"]
         text = f"{herd['quads'] / 1e9:.1f} billion quads, from a file"
         photos = [[Picture("T-rexes", "png", path.read_bytes(), text)]] if path.exists() else []

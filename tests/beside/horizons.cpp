@@ -22,7 +22,7 @@ using namespace host;
 namespace {
 
 constexpr double cell = 2;             // meters
-constexpr float lift = 0.01f;          // height of ray origins above vertices, meters
+constexpr float startHeight = 0.01f;   // of rays above vertices, meters
 constexpr double lowest = -20;         // elevation at which searches begin, degrees
 constexpr double step = 0.25;          // step of the discrete search, degrees
 constexpr double binaryStep = 0.01;    // resolution of the binary search, degrees
@@ -213,7 +213,7 @@ void testTerrain(RTCDevice device, CbvhContext context, const Accuracy& accuracy
     const unsigned x = 1 + random() % (side - 2), y = 1 + random() % (side - 2);
     const double azimuth = 2*M_PI*double(random() % 3600 + 0.5)/3600;
     Vec from = terrain.vertices[y*side + x];
-    from[2] += lift;
+    from[2] += startHeight;
     const IsOccluded ours = [&](double elevation) { return isOccludedAt(compressed, from, azimuth, elevation); };
     const IsOccluded theirs = [&](double elevation) { return isOccludedAt(exact, from, azimuth, elevation); };
     const double found[2] = {discreteSearch(ours), binarySearch(ours)};

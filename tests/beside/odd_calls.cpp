@@ -193,23 +193,23 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
   past[13] = 8;
   const unsigned crease[] = {0,9}, seven[] = {7};
   const float sharp[] = {INFINITY};
-  const auto refuse = [&](const char* text, const std::function<void(CbvhCage&)>& spoil) {
+  const auto expectInvalid = [&](const char* text, const std::function<void(CbvhCage&)>& modify) {
     CbvhCage cage = cube();
-    spoil(cage);
+    modify(cage);
     EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_ERROR_INVALID_ARGUMENT) << text;
     EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
   };
-  refuse("23 vertices together", [&](CbvhCage& c) { c.faceVertexCounts = few; });
-  refuse("face 5 ends at index 420", [&](CbvhCage& c) { c.faceVertexCounts = many; });
-  refuse("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertexCounts = flat; });
-  refuse("index 13 is vertex 8", [&](CbvhCage& c) { c.indices = past.data(); });
-  refuse("vertex 9", [&](CbvhCage& c) { c.numCreases = 1; c.creases = crease; c.creaseSharpness = sharp; });
-  refuse("corner 0 is vertex 9", [&](CbvhCage& c) {
+  expectInvalid("23 vertices together", [&](CbvhCage& c) { c.faceVertexCounts = few; });
+  expectInvalid("face 5 ends at index 420", [&](CbvhCage& c) { c.faceVertexCounts = many; });
+  expectInvalid("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertexCounts = flat; });
+  expectInvalid("index 13 is vertex 8", [&](CbvhCage& c) { c.indices = past.data(); });
+  expectInvalid("vertex 9", [&](CbvhCage& c) { c.numCreases = 1; c.creases = crease; c.creaseSharpness = sharp; });
+  expectInvalid("corner 0 is vertex 9", [&](CbvhCage& c) {
     c.numCorners = 1;
     c.corners = crease + 1;
     c.cornerSharpness = sharp;
   });
-  refuse("face 7", [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
+  expectInvalid("face 7", [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
   CbvhDicing dicing = CbvhDicing();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;

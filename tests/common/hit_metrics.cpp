@@ -46,7 +46,7 @@ TEST(HitMetrics, FalseHitsAndMissesAreNotInTheDistances)
 TEST(HitMetrics, DistantHitsAreCountedAndNotInTheSecondRmse)
 {
   const HitErrors e = compareHits({hitAt(10), hitAt(10)}, {hitAt(10.1f), hitAt(15)}, 0.01f, layout);
-  EXPECT_EQ(e.farOff, 1u);
+  EXPECT_EQ(e.outliers, 1u);
   EXPECT_NEAR(e.inlierRmse, 1.0, 1e-4);
   EXPECT_GT(e.rmse, 30.0);
 }

@@ -264,7 +264,7 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
 {
   Device device;
   Surface surface(device, quadCage());
-  const auto refuses = [&](const char* name, const std::function<void(RTCDicingArguments&)>& change) {
+  const auto expectInvalid = [&](const char* name, const std::function<void(RTCDicingArguments&)>& change) {
     RTCDicingArguments args = cameraAt(0, 0, 1);
     change(args);
     rtcDiceGeometry(surface.geometry, &args);
@@ -273,23 +273,23 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
     EXPECT_EQ(rtcGetGeometryBufferData(surface.geometry, RTC_BUFFER_TYPE_LEVEL, 0), nullptr) << name;
   };
   for (float bad : {0.0f, -1.0f, nan, inf}) {
-    refuses("pixelSize", [=](RTCDicingArguments& a) { a.pixelSize = bad; });
-    refuses("quadSize", [=](RTCDicingArguments& a) { a.quadSize = bad; });
-    refuses("outsideFactor", [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
-    refuses("maxRate", [=](RTCDicingArguments& a) { a.maxRate = bad; });
+    expectInvalid("pixelSize", [=](RTCDicingArguments& a) { a.pixelSize = bad; });
+    expectInvalid("quadSize", [=](RTCDicingArguments& a) { a.quadSize = bad; });
+    expectInvalid("outsideFactor", [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
+    expectInvalid("maxRate", [=](RTCDicingArguments& a) { a.maxRate = bad; });
   }
-  refuses("maxRate", [](RTCDicingArguments& a) { a.maxRate = 4097; });
+  expectInvalid("maxRate", [](RTCDicingArguments& a) { a.maxRate = 4097; });
   for (float bad : {nan, inf}) {
-    refuses("position", [=](RTCDicingArguments& a) { a.position[1] = bad; });
-    refuses("direction", [=](RTCDicingArguments& a) { a.direction[1] = bad; });
-    refuses("up", [=](RTCDicingArguments& a) { a.up[1] = bad; });
+    expectInvalid("position", [=](RTCDicingArguments& a) { a.position[1] = bad; });
+    expectInvalid("direction", [=](RTCDicingArguments& a) { a.direction[1] = bad; });
+    expectInvalid("up", [=](RTCDicingArguments& a) { a.up[1] = bad; });
     const std::vector<float> transform(12, bad);
-    refuses("transform", [&](RTCDicingArguments& a) { a.transform = transform.data(); });
+    expectInvalid("transform", [&](RTCDicingArguments& a) { a.transform = transform.data(); });
   }
-  refuses("up", [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
-  refuses("width", [](RTCDicingArguments& a) { a.width = -1; });
+  expectInvalid("up", [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
+  expectInvalid("width", [](RTCDicingArguments& a) { a.width = -1; });
   const std::vector<float> bounds = {1, 2, nan, 4};
-  refuses("maxRates", [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
+  expectInvalid("maxRates", [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
 
   rtcDiceGeometry(surface.geometry, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);

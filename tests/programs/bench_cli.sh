@@ -40,7 +40,7 @@ refuses "frame level '9'" --scene cube --frame-level 2,9
 refuses "level '9'.* 0 to 8" --scene cube --level 4,9
 refuses "view 'side'" --scene cube --view full,side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
-refuses "unknown --set 'random'" --scene cube --set random
+refuses "unknown --ray-set 'random'" --scene cube --ray-set random
 refuses "unknown query 'all'" --scene cube --query all
 refuses "unknown mode 'packet5'" --scene cube --mode packet5
 refuses "empty entry" --scene cube --mode single,
@@ -58,7 +58,7 @@ refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$f
 # A record of two levels, with pictures.
 "$program" --scene cube --level 2,3 --view full,close --frame-level 1 \
   --representation naive,naive-compact,Voxel,cbvh.leaf,leaf-only \
-  --set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
+  --ray-set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
   --rays 500 --repeat 1 --size 40x32 --true-surface 200 --reference-level 4 --pictures "$folder/pictures" \
   --json "$folder/good.json" \
   >"$folder/stdout" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
@@ -101,8 +101,8 @@ for group in record["groups"]:
             assert len(s["seconds"]) == 1 and s["seconds"][0] > 0 and s["hits"] <= s["rays"]
             if r["representation"] == "GRID":
                 assert s["relative_to_grid"]["median"] == 1
-            same = [t["hits"] for t in r["speed"] if (t["view"], t["set"]) == (s["view"], s["set"])]
-            assert max(same) - min(same) <= 0.01 * s["rays"], (r["representation"], s["view"], s["set"], same)
+            same = [t["hits"] for t in r["speed"] if (t["view"], t["ray_set"]) == (s["view"], s["ray_set"])]
+            assert max(same) - min(same) <= 0.01 * s["rays"], (r["representation"], s["view"], s["ray_set"], same)
         for v in r["views"]:
             assert os.path.isfile(os.path.join(folder, "pictures", v["picture"]))
             assert v["errors_to_reference_level"]["both_hit"] > 0
@@ -112,7 +112,7 @@ for group in record["groups"]:
             if r["representation"] == "cLEAF-only^1":
                 bins = v["bins_of_4_bits"]
                 sizes = bins["quantiles_pixels"]
-                assert 0 < bins["hits"] <= 200 and 0 < bins["median_pixels"] < bins["rmse_of_others_pixels"], bins
+                assert 0 < bins["hits"] <= 200 and 0 < bins["median_pixels"] < bins["inlier_rmse_pixels"], bins
                 assert len(sizes) == 19 and 0 <= sizes[0] and sizes == sorted(sizes), bins
                 assert 0 < v["bins_of_4_bits_away_from_silhouettes"]["hits"] < bins["hits"], v
             else:
@@ -160,9 +160,17 @@ for r in (cgrid, cleaf):
     assert len(shadows) > 10 and all(s["rays"] > s["occluded"] for s in shadows)
 assert cleaf["leaks"]["missed"] == {"closest": 0, "any": 0, "through": 0}, cleaf["leaks"]
 assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cgrid["shadows"])
+assert any(0 < s["flipped_rays"] < s["rays"] and sum(s["flipped_errors"].values()) for s in cleaf["shadows"])
+lines = open(sys.argv[2]).read()
+for s in cgrid["shadows"] + cleaf["shadows"]:
+    same, flipped = (1000 * sum(s[kind + "_errors"].values()) / max(1, s[kind + "_rays"])
+                     for kind in ("same_hit", "flipped"))
+    line = "of %d rays with the same hit %.3f, of %d with a flipped normal %.3f;" % (s["same_hit_rays"], same,
+                                                                                   s["flipped_rays"], flipped)
+    assert line in lines, line
 crossed = cgrid["crossings"][0]
 assert crossed["rays"] == 40*32 and crossed["crossings"] > 100, crossed
-assert crossed["other_parity"] <= 2, crossed' "$folder/checks.json" ||
+assert crossed["different_parities"] <= 2, crossed' "$folder/checks.json" "$folder/stdout" ||
   complain "leaks or shadows are wrong: $(cat "$folder/checks.json")"
 
 # Libraries. The program must call each of Embree's functions through its own table.
@@ -201,11 +209,11 @@ for r in results:
     for s in r["speed"]:
         assert ("relative_to_first_library" in s) == (r["library"] == "B"), s
     if r["library"] == "A":
-        assert "hits_beside_first_library" not in r
+        assert "hit_agreement" not in r
         continue
-    assert len(r["hits_beside_first_library"]) == 2 * 2 * 3
-    for h in r["hits_beside_first_library"]:
-        assert h["rays"] > 0 and h["other_rays"] == 0, h
+    assert len(r["hit_agreement"]) == 2 * 2 * 3
+    for h in r["hit_agreement"]:
+        assert h["rays"] > 0 and h["different_rays"] == 0, h
     ratios = sorted(s["relative_to_first_library"]["median"] for s in r["speed"])
     assert 0.5 < ratios[len(ratios) // 2] < 2, ratios
 PYTHON

@@ -37,7 +37,7 @@ TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst)
 {
   const MemoryPlan all = plan("cleaf,naive,grid,cvert", SIZE_MAX);
   EXPECT_EQ(builtOf(all), "grid,naive,cleaf2,cvert");
-  EXPECT_TRUE(all.leftOut.empty());
+  EXPECT_TRUE(all.skipped.empty());
   EXPECT_EQ(builtOf(plan("cleaf,naive-compact,naive,grid", SIZE_MAX)), "grid,naive,naive-compact,cleaf2");
   EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "only requested representations are built";
 }
@@ -55,9 +55,9 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + leaf)), "grid,cleaf2");
   const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
   EXPECT_EQ(builtOf(alone), "cleaf2");
-  ASSERT_EQ(alone.leftOut.size(), 2u);
-  EXPECT_TRUE(containsInOrder(alone.leftOut[0], {"GRID is left out", "1.0 million quads"}));
-  EXPECT_NE(alone.leftOut[1].find("NAIVE is left out"), std::string::npos);
+  ASSERT_EQ(alone.skipped.size(), 2u);
+  EXPECT_TRUE(containsInOrder(alone.skipped[0], {"GRID is left out", "1.0 million quads"}));
+  EXPECT_NE(alone.skipped[1].find("NAIVE is left out"), std::string::npos);
 }
 
 TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut)

@@ -159,7 +159,7 @@ grep -q "opened in" "$folder/loaded" || complain "no message about how long open
 run_file loaded_close "$folder/cube.cbvh" --view close --speed --rays 2000 --repeat 1 --json "$folder/loaded.json"
 grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent rays" "$folder/loaded_close" ||
   complain "no speed from the file: $(cat "$folder/loaded_close")"
-for key in speed incoherent mrays_per_second pictureSeconds; do
+for key in speed incoherent mrays_per_second picture_seconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
 done
 run_file loaded_up --load "$folder/cube.cbvh" --up z

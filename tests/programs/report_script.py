@@ -80,7 +80,7 @@ def gpu_record(record, mrays, device=GPU, bytes_per_quad=30000):
                 result["speed"].append(
                     {
                         **template,
-                        "set": ray_set,
+                        "ray_set": ray_set,
                         "query": query,
                         "mrays_per_second": {"median": mrays[result["kind"]], **summary},
                         "relative_to_grid": {"median": ratio, "min": ratio, "max": ratio, "spread": 0.0},
@@ -264,7 +264,7 @@ class Report(unittest.TestCase):
         self.assertIn(f"{formats.ratio(smaller)} times smaller", first)
         self.assertIn(f"{ours['memory']['bytes_per_quad']:.2f} bytes per quad", first)
         for ray_set in ("coherent", "incoherent"):
-            (speed,) = [s for s in ours["speed"] if (s["view"], s["set"]) == ("full", ray_set)]
+            (speed,) = [s for s in ours["speed"] if (s["view"], s["ray_set"]) == ("full", ray_set)]
             self.assertIn(formats.ratio(speed["relative_to_grid"]["median"]), first)
             self.assertIn(f"{speed['mrays_per_second']['median']:.3g} million {ray_set} rays", first)
         errors_of_view = next(view for view in ours["views"] if view["view"] == "full")["errors"]
@@ -354,6 +354,34 @@ class Report(unittest.TestCase):
         self.assertIn(("cLEAF-only^2", "cLEAF-only"), found)
         self.assertNotIn("cLEAF", {kind for _, kind in found})
 
+    def test_former_names_of_members_are_read(self):
+        folder = Path(self.temporary.name) / "former"
+        folder.mkdir()
+        former = {new: old for old, new in bench_records.NEW_NAMES.items()}
+        self.assertEqual(len(former), len(bench_records.NEW_NAMES))
+        record = bench_records.renamed(self.record(), lambda name: former.get(name, name))
+        self.assertIn("turned_rays", json.dumps(record))
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        self.assertEqual(bench_records.read(folder / "cube_L2-6.json"), self.record())
+
+    def test_rates_of_shadow_errors_are_per_ray_of_their_subset(self):
+        errors, none = {"false_occlusions": 3, "false_passes": 1}, {"false_occlusions": 0, "false_passes": 0}
+        shadow = {"view": "full", "offset": "1 pixels", "length": None, "rays": 1000, "occluded": 9, "errors": errors,
+                  "same_hit_rays": 500, "same_hit_errors": errors, "flipped_rays": 16, "flipped_errors": errors,
+                  "control_errors": none}  # fmt: skip
+        record = self.record()
+        for group in record["groups"]:
+            for result in group["results"]:
+                result["shadows"] = [shadow]
+        folder = Path(self.temporary.name) / "shadows"
+        folder.mkdir()
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        (table,) = [part for part in checks.section(self.data(folder))[0] if part.title.startswith("Shadows")]
+        rates = {head: row for head, row in zip(table.heads, table.rows[0])}
+        self.assertEqual({head: rates[head] for head in (*checks.ERROR_RATES, "rays flipped")},
+                         {"wrong": "4.000", "dark": "3.000", "bright": "1.000", "same hit": "8.000",
+                          "flipped": "250.000", "control": "0.000", "rays flipped": "16.000"})
+
     def test_dark_pages_invert_charts(self):
         chart = figures.chart("x", 3, lambda axes: axes.set_title("x"))
         self.assertIn(figures.INK.encode(), chart.content)
@@ -410,7 +438,7 @@ class Report(unittest.TestCase):
         (folder / "cube_L2-6.json").write_text(json.dumps(record))
         before = self.data()
         self.assertEqual(levels.by_instruction_set(before), {})
-        data = self.data(beside=[folder])
+        data = self.data(other_machines=[folder])
         self.assertEqual((data.isa, len(data.here)), (before.isa, len(before.here)), "other sections must not show it")
         parts, _ = levels.isas(data)
         (table,) = [part for part in parts if isinstance(part, formats.Table)
@@ -419,12 +447,12 @@ class Report(unittest.TestCase):
                          ["avx512, Processor elsewhere: Mrays/s", "avx512, Processor elsewhere: of GRID"])
         self.assertEqual({len(row) for row in table.rows}, {1 + 2 * 2})
         self.assertNotIn("-", [cell for row in table.rows for cell in row])
-        output = Path(self.temporary.name) / "beside.html"
-        done = self.run_script(self.records, "--output", output, "--beside", folder)
+        output = Path(self.temporary.name) / "other_machine.html"
+        done = self.run_script(self.records, "--output", output, "--other-machine", folder)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("Processor elsewhere", sections_of(output.read_text())["isas"])
         self.assertIn("Processor elsewhere", output.with_name("tables.md").read_text())
-        none = self.run_script(self.records, "--output", output, "--beside", folder / "none")
+        none = self.run_script(self.records, "--output", output, "--other-machine", folder / "none")
         self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
 
     def test_markdown_contains_the_measurements(self):
@@ -462,8 +490,8 @@ class Report(unittest.TestCase):
                   for speed in result["speed"]]
         self.assertEqual((table.what == "speed").sum(), len(speeds))
         ours = table[(table.representation == "cLEAF^2") & (table.level == 6)]
-        ours = ours[(ours["view"] == "full") & (ours.set == "coherent")]
-        (speed,) = [s for s in self.results()["cLEAF^2"]["speed"] if (s["view"], s["set"]) == ("full", "coherent")]
+        ours = ours[(ours["view"] == "full") & (ours.ray_set == "coherent")]
+        (speed,) = [s for s in self.results()["cLEAF^2"]["speed"] if (s["view"], s["ray_set"]) == ("full", "coherent")]
         (view,) = [view for view in self.results()["cLEAF^2"]["views"] if view["view"] == "full"]
         self.assertAlmostEqual(ours.mrays_per_second_median.item(), speed["mrays_per_second"]["median"])
         self.assertAlmostEqual(ours.errors_p99_pixels.item(), view["errors"]["p99_pixels"])
@@ -488,21 +516,20 @@ class Report(unittest.TestCase):
     def test_scale_is_shown_if_measured(self):
         speed = {ray_set: {"closest": {"mrays_per_second": rays}}
                  for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))}
-        opened = {"openSeconds": 0.25, "pictureSeconds": 40, "quads": 2 * 10**9, "speed": speed}
+        opened = {"open_seconds": 0.25, "picture_seconds": 40, "quads": 2 * 10**9, "speed": speed}
         herd = {
-            "count": 62, "level": "6", "quads": 2 * 10**9, "fileBytes": 5 * 2**30, "found": 41,
-            "lastQuads": 6 * 10**8, "lastSeconds": 30,
+            "count": 62, "level": "6", "quads": 2 * 10**9, "file_bytes": 5 * 2**30,
+            "resumed_geometries": 41, "last_quads": 6 * 10**8, "last_seconds": 30,
             "stops": [{"seconds": 40, "bytes": 2**30, "signal": "SIGINT"},
                       {"seconds": 20, "bytes": 3 * 2**30, "signal": "SIGKILL"}],
-            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30,
-            "renderOwnBytes": 2**28,
+            "build_seconds": 90, "anonymous_bytes": 2**27, "cold": opened, "warm": opened,
+            "cold_mapped_bytes": 2**30, "render_anonymous_bytes": 2**28,
             "size": "64x48", "samples": 4, "picture": "none.png", "threads": 2, "memory": 2**34,
             "commands": ["render the herd"],
-            "deviceBytes": 2**26, "some": {"count": 2, "quads": 10**8, "bytes": 2**24, "fileBytes": 2**28,
-                                           "speed": speed, "command": "render some"},
-            "beside": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9, "peak": 5 * 10**9,
-                        "buildSeconds": 9,
-                        "speed": speed, "command": "render GRID"}],
+            "device_bytes": 2**26, "from_file": {"count": 2, "quads": 10**8, "bytes": 2**24, "file_bytes": 2**28,
+                                                 "speed": speed, "command": "render some"},
+            "in_memory": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9,
+                           "peak_bytes": 5 * 10**9, "build_seconds": 9, "speed": speed, "command": "render GRID"}],
         }  # fmt: skip
         level = {"scene": "trex", "view": "full", "level": "auto", "quads": 10**6, "live_bytes": 2**22,
                  "build_seconds": 0.5, "speed": speed, "size": "64x48", "command": "render levels",
@@ -522,6 +549,20 @@ class Report(unittest.TestCase):
             self.assertIn(found, page.read_text())
         done = self.run_script(self.records, "--scale", self.records, "--output", page)
         self.assertIn("measure_scale.py makes it", done.stderr)
+
+    def test_former_names_of_the_scale_are_read(self):
+        old = {"date": "2026-01-01", "herd": {"fileBytes": 1, "ownBytes": 2, "coldMapped": 3, "some": {"fileBytes": 4},
+                                              "cold": {"openProcessorSeconds": 5}, "beside": [{"peak": 6}],
+                                              "renderOwnBytes": 7, "found": 8}}  # fmt: skip
+        new = {"date": "2026-01-01", "herd": {"file_bytes": 1, "anonymous_bytes": 2, "cold_mapped_bytes": 3,
+                                              "from_file": {"file_bytes": 4}, "cold": {"open_processor_seconds": 5},
+                                              "in_memory": [{"peak_bytes": 6}], "render_anonymous_bytes": 7,
+                                              "resumed_geometries": 8}}  # fmt: skip
+        folder = Path(self.temporary.name) / "former scale"
+        folder.mkdir()
+        for record in (old, new):
+            (folder / scale.RECORD).write_text(json.dumps(record))
+            self.assertEqual(scale.read(folder), new)
 
     def own_records(self, name):
         """Returns the records as if they were measured for a user's cage."""

@@ -158,7 +158,7 @@ TEST_F(Terrain, CopiesAreMirrored)
   };
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt)
       + " --cell 3 --azimuths 8 --max-error 0.001 --repeat 2,3";
-  const Picture plain = run(path + " --detail 0"), noisy = run(path);
+  const Picture plain = run(path + " --noise-height 0"), noisy = run(path);
   ASSERT_EQ(plain.width, 81);
   ASSERT_EQ(plain.height, 91);
   size_t same = 0;

@@ -167,7 +167,7 @@ def test_camera(session):
     # fixed while everything else gets closer.
     session.key("r")
     session.mouse(("mousemove", 400, 320), ("click", 4), ("click", 4))
-    session.away()
+    session.move_cursor_out()
     eye, target = session.camera()
     factor = norm(minus(target, eye)) / norm(view)
     if not 0.5 < factor < 0.9:
@@ -179,13 +179,13 @@ def test_camera(session):
     if abs(across - wanted) > 2:
         fail(f"the wheel zooms at {across} pixels from the middle, not {wanted}")
     session.mouse(("mousemove", 400, 320), ("click", 5), ("click", 5))
-    session.away()
+    session.move_cursor_out()
     if norm(minus(session.camera()[0], start[0])) > 1e-3 * norm(view):
         fail("the wheel does not zoom back")
 
     # On the surface, the wheel never passes through it.
     session.mouse(("mousemove", 240, 180), *[("click", 4)] * 8)
-    session.away()
+    session.move_cursor_out()
     eye, target = session.camera()
     if norm(minus(eye, start[0])) >= norm(view):
         fail(f"the wheel passes through the surface: {eye}")
@@ -213,10 +213,10 @@ def test_panel_and_end(session):
     session.key("Tab")
     session.shows_beside_panel("the model again", under, (0, SIZE[1] // 2))
     session.mouse(("mousemove", 10, 10), ("mousedown", 1), ("mouseup", 1))  # the triangle of the panel
-    session.away()
+    session.move_cursor_out()
     session.shows_beside_panel("the model after a click", below_bar, (0, BAR))
     session.mouse(("mousemove", 10, 10), ("mousedown", 1), ("mouseup", 1))
-    session.away()
+    session.move_cursor_out()
     session.shows_beside_panel("the model after another one", under, (0, SIZE[1] // 2))
     session.key("h")
     session.shows("no panel", picture)
@@ -262,7 +262,7 @@ def test_wide_window(session):
 
     # The wheel over the panel does not affect the model.
     session.mouse(("mousemove", 100, 450), ("click", 4), ("click", 4))
-    session.away()
+    session.move_cursor_out()
     if session.camera() != start:
         fail("the wheel over the panel zooms")
     session.key("q")
@@ -357,7 +357,7 @@ def test_files(session):
     wait_for("no panel", lambda: session.screen() != rough)
     session.mouse(("mousemove", 80, 105), ("click", "--repeat", 2, "--delay", 80, 1), ("key", "ctrl+a"),
                   ("type", "0.06"), ("key", "Return"))
-    session.away()
+    session.move_cursor_out()
     session.key("h")
     shown_from_its_start("another amplitude", strong)
     if "box" not in session.title():

@@ -124,7 +124,7 @@ class Session:
                 raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}: {self.read('log')}")
             return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
         self.window = wait_for("no window", window)
-        self.away()
+        self.move_cursor_out()
         def focused(): # without a window manager
             self.xdotool("windowfocus", self.window)
             return self.xdotool("getwindowfocus", "-f") == self.window
@@ -134,7 +134,7 @@ class Session:
         for key in keys:
             self.xdotool("key", key)
 
-    def away(self):
+    def move_cursor_out(self):
         """Moves the cursor, which is part of the screen, outside of the window."""
         self.xdotool("mousemove", 790, 590)
 
@@ -146,7 +146,7 @@ class Session:
 
     def drag(self, begin, end, button=1):
         self.mouse(("mousemove", *begin), ("mousedown", button), ("mousemove", *end), ("mouseup", button))
-        self.away()
+        self.move_cursor_out()
 
     def title(self):
         return self.xdotool("getwindowname", self.window)

@@ -55,8 +55,8 @@ json crossingsJson(const CrossingCheck& c)
           {"rays", c.counts.rays},
           {"crossings", c.counts.sceneCrossings},
           {"grid_crossings", c.counts.gridCrossings},
-          {"other_number", c.counts.differentCounts},
-          {"other_parity", c.counts.differentParities}};
+          {"different_counts", c.counts.differentCounts},
+          {"different_parities", c.counts.differentParities}};
 }
 
 json shadowJson(const ShadowErrors& e)
@@ -75,10 +75,10 @@ json shadowsJson(const ShadowCheck& c)
           {"rays", c.comparison.rays},
           {"occluded", c.comparison.occluded},
           {"errors", shadowJson(c.comparison.all)},
-          {"same_place_rays", c.comparison.sameHitRays},
-          {"same_place_errors", shadowJson(c.comparison.sameHitErrors)},
-          {"turned_rays", c.comparison.flippedRays},
-          {"turned_errors", shadowJson(c.comparison.flippedErrors)},
+          {"same_hit_rays", c.comparison.sameHitRays},
+          {"same_hit_errors", shadowJson(c.comparison.sameHitErrors)},
+          {"flipped_rays", c.comparison.flippedRays},
+          {"flipped_errors", shadowJson(c.comparison.flippedErrors)},
           {"control_errors", shadowJson(c.comparison.control)}};
 }
 
@@ -88,7 +88,7 @@ json speedJson(const Speed& s, bool onDevice)
   for (double seconds : s.seconds)
     mrays.push_back(s.mrays(seconds));
   json j = {{"view", s.view},
-            {"set", raySetName(s.set)},
+            {"ray_set", raySetName(s.set)},
             {"query", queryName(s.trace.query)},
             {"mode", traceModeName(s.trace.mode)},
             {"threads", s.trace.threads},
@@ -107,15 +107,15 @@ json speedJson(const Speed& s, bool onDevice)
 json agreementJson(const HitAgreement& a)
 {
   return {{"view", a.view},
-          {"set", raySetName(a.set)},
+          {"ray_set", raySetName(a.set)},
           {"query", queryName(a.trace.query)},
           {"mode", traceModeName(a.trace.mode)},
           {"rays", a.differences.rays},
-          {"other_rays", a.differences.all()},
-          {"other_hit_or_miss", a.differences.hits},
-          {"other_ids", a.differences.ids},
-          {"other_distance", a.differences.distances},
-          {"other_uv_or_normal", a.differences.surfaces}};
+          {"different_rays", a.differences.all()},
+          {"different_hit_or_miss", a.differences.hits},
+          {"different_ids", a.differences.ids},
+          {"different_distance", a.differences.distances},
+          {"different_uv_or_normal", a.differences.surfaces}};
 }
 
 json libraryJson(const Library& library)
@@ -134,7 +134,7 @@ json memoryJson(const VariantResult& r)
             {"bytes_per_quad", r.build.bytesPerQuad()},
             {"inner_bytes", r.innerBytes},
             {"leaf_bytes", r.leafBytes},
-            {"leaf_bytes_are", r.variant.representation.isCompressed() ? "counted" : "computed from the layout"}};
+            {"leaf_bytes_method", r.variant.representation.isCompressed() ? "counted" : "computed from the layout"}};
   if (r.variant.representation.isCompressed())
     j["compression"] = compressionJson(r.build.compression);
   return j;
@@ -144,7 +144,7 @@ json viewJson(const ViewResult& v)
 {
   json view = {{"view", v.view},
                {"errors", errorsJson(v.errors)},
-               {"errors_away_from_silhouettes", errorsJson(v.away)},
+               {"errors_away_from_silhouettes", errorsJson(v.errorsAwayFromSilhouettes)},
                {"bounced", errorsJson(v.bounced)}};
   if (v.toReference)
     view["errors_to_reference_level"] = errorsJson(*v.toReference);
@@ -152,8 +152,8 @@ json viewJson(const ViewResult& v)
     view["errors_to_true_surface"] = errorsJson(*v.toTrue);
   if (v.bins)
     view["bins_of_4_bits"] = heightBinsJson(*v.bins);
-  if (v.binsAway)
-    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAway);
+  if (v.binsAwayFromSilhouettes)
+    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAwayFromSilhouettes);
   if (!v.picture.empty())
     view["picture"] = v.picture;
   if (!v.errorMap.empty())
@@ -187,7 +187,7 @@ json resultJson(const VariantResult& r)
   for (const ViewResult& v : r.views)
     j["views"].push_back(viewJson(v));
   for (const HitAgreement& a : r.agreements)
-    j["hits_beside_first_library"].push_back(agreementJson(a));
+    j["hit_agreement"].push_back(agreementJson(a));
   j["speed"] = json::array();
   for (const Speed& s : r.speeds)
     j["speed"].push_back(speedJson(s, r.build.onDevice.has_value()));

@@ -22,52 +22,52 @@ namespace {
 
 std::vector<std::string> split(const std::string& option, const std::string& list)
 {
-  std::vector<std::string> words;
+  std::vector<std::string> entries;
   for (size_t begin = 0; begin <= list.size();)
   {
     const size_t end = std::min(list.find(',', begin), list.size());
-    words.push_back(list.substr(begin, end - begin));
+    entries.push_back(list.substr(begin, end - begin));
     begin = end + 1;
-    if (words.back().empty())
+    if (entries.back().empty())
       throw Error(option + " '" + list + "' has an empty entry: expected a comma-separated list");
-    if (std::count(words.begin(), words.end(), words.back()) > 1)
-      throw Error(option + " '" + list + "' contains '" + words.back() + "' twice: expected each entry once");
+    if (std::count(entries.begin(), entries.end(), entries.back()) > 1)
+      throw Error(option + " '" + list + "' contains '" + entries.back() + "' twice: expected each entry once");
   }
-  return words;
+  return entries;
 }
 
 /* Numbers from 0 to `maximum`. */
 std::vector<int> parseIntegers(const std::string& option, const std::string& list, int maximum)
 {
   std::vector<int> numbers;
-  for (const std::string& word : split(option, list))
+  for (const std::string& entry : split(option, list))
   {
     int value = 0;
-    const char* const end = word.data() + word.size();
-    const auto result = std::from_chars(word.data(), end, value);
+    const char* const end = entry.data() + entry.size();
+    const auto result = std::from_chars(entry.data(), end, value);
     if (result.ec != std::errc() || result.ptr != end || value < 0 || value > maximum)
-      throw Error("invalid " + option + " '" + word + "': expected a number from 0 to " + std::to_string(maximum));
+      throw Error("invalid " + option + " '" + entry + "': expected a number from 0 to " + std::to_string(maximum));
     numbers.push_back(value);
   }
   return numbers;
 }
 
-BenchScene parseScene(const std::string& word, const SceneSettings& settings)
+BenchScene parseScene(const std::string& entry, const SceneSettings& settings)
 {
-  BenchScene scene{word, settings};
+  BenchScene scene{entry, settings};
   scene.label += settings.rough ? "-rough" : "";
   scene.label += settings.mapping.empty() ? "" : "-" + settings.mapping;
   scene.label += settings.count ? "-" + std::to_string(*settings.count) : "";
   scene.label += settings.motion.empty() ? "" : "-" + settings.motion;
-  const size_t mark = word.find(':');
-  scene.settings.scene = word.substr(0, mark);
+  const size_t mark = entry.find(':');
+  scene.settings.scene = entry.substr(0, mark);
   if (mark != std::string::npos)
   {
     float amplitude = 0;
-    const char* const end = word.data() + word.size();
-    const auto result = std::from_chars(word.data() + mark + 1, end, amplitude);
+    const char* const end = entry.data() + entry.size();
+    const auto result = std::from_chars(entry.data() + mark + 1, end, amplitude);
     if (result.ec != std::errc() || result.ptr != end || !std::isfinite(amplitude))
-      throw Error("invalid --scene '" + word + "': expected a number as the amplitude after the colon");
+      throw Error("invalid --scene '" + entry + "': expected a number as the amplitude after the colon");
     scene.settings.amplitude = amplitude;
   }
   validateScene(scene.settings);
@@ -86,11 +86,11 @@ std::vector<std::string> parseViews(const std::vector<std::string>& given, Image
       views.push_back(text);
       continue;
     }
-    for (const std::string& word : split("--view", text))
+    for (const std::string& entry : split("--view", text))
     {
-      if (word != "full" && word != "close")
-        parseView(word, {0, 1, 0}, size);
-      views.push_back(word);
+      if (entry != "full" && entry != "close")
+        parseView(entry, {0, 1, 0}, size);
+      views.push_back(entry);
     }
   }
   return views;
@@ -121,23 +121,23 @@ std::string commandLine(int argc, char** argv)
   std::string command = std::filesystem::path(argv[0]).filename().string();
   for (int i = 1; i < argc; i++)
   {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" '\"\\$^*?;&|<>()") == std::string::npos;
-    command += plain ? " " + word : " '" + word + "'";
+    const std::string argument = argv[i];
+    const bool plain = !argument.empty() && argument.find_first_of(" '\"\\$^*?;&|<>()") == std::string::npos;
+    command += plain ? " " + argument : " '" + argument + "'";
   }
   return command;
 }
 
-RaySet parseRaySet(const std::string& word)
+RaySet parseRaySet(const std::string& entry)
 {
   for (RaySet set : {Coherent, Incoherent})
-    if (word == raySetName(set))
+    if (entry == raySetName(set))
       return set;
-  throw Error("unknown --set '" + word + "': expected coherent or incoherent");
+  throw Error("unknown --ray-set '" + entry + "': expected coherent or incoherent");
 }
 
 /* Unparsed options, with the defaults that --help shows. */
-struct Words
+struct OptionTexts
 {
   std::vector<std::string> files;
   SceneSettings settings;
@@ -151,45 +151,45 @@ struct Words
 
 /* In the order of --help. */
 
-void declareLists(CLI::App& app, Words& words)
+void declareLists(CLI::App& app, OptionTexts& texts)
 {
-  addFileArguments(app, words.files);
-  app.add_option("--scene", words.scenes,
+  addFileArguments(app, texts.files);
+  app.add_option("--scene", texts.scenes,
                  "comma-separated list of " + listOfScenes() + "; an amplitude may follow after a colon")
     ->type_name("LIST");
-  addSceneOptions(app, words.settings);
-  app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be repeated")
+  addSceneOptions(app, texts.settings);
+  app.add_option("--view", texts.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be repeated")
     ->type_name("LIST")->default_str("full");
-  app.add_option("--level", words.levels, "tessellation levels, " + levelRange())
+  app.add_option("--level", texts.levels, "tessellation levels, " + levelRange())
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--representation", words.representations,
+  app.add_option("--representation", texts.representations,
                  "of " + listOfRepresentations(", ") + "; a frame level may follow after ^ or :")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevels,
+  app.add_option("--frame-level", texts.frameLevels,
                  "frame levels, at which local frames start: " + levelRange() + ", or auto")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--library", words.libraries,
+  app.add_option("--library", texts.libraries,
                  "builds of libembree3.so.3, or folders that contain one, instead of the program's own: speeds are\n"
                  "also relative to the first, and hits are compared with the hits of the first")
     ->type_name("LIST");
-  app.add_option("--isa", words.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
+  app.add_option("--isa", texts.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
-  addDeviceOption(app, words.device);
-  app.add_option("--threads", words.threads, "numbers of threads for tracing, 0 for all")
+  addDeviceOption(app, texts.device);
+  app.add_option("--threads", texts.threads, "numbers of threads for tracing, 0 for all")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
-  app.add_option("--query", words.queries, "queries: closest, any")->type_name("LIST")->capture_default_str();
-  app.add_option("--mode", words.modes, "rays per call: single, packet4, packet8, packet16, stream")
+  app.add_option("--ray-set", texts.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
+  app.add_option("--query", texts.queries, "queries: closest, any")->type_name("LIST")->capture_default_str();
+  app.add_option("--mode", texts.modes, "rays per call: single, packet4, packet8, packet16, stream")
     ->type_name("LIST")->capture_default_str();
 }
 
-void declareMeasurement(CLI::App& app, BenchOptions& o, Words& words)
+void declareMeasurement(CLI::App& app, BenchOptions& o, OptionTexts& texts)
 {
   app.add_option("--rays", o.rays, "rays per measurement, 0 for one per pixel")
     ->type_name("N")->capture_default_str();
   app.add_option("--repeat", o.repeat, "measurements of each combination, 0 to skip speed")
     ->type_name("N")->capture_default_str();
-  app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--size", texts.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in diagonals of the bounding box")
     ->type_name("D")->capture_default_str();
@@ -199,9 +199,9 @@ void declareMeasurement(CLI::App& app, BenchOptions& o, Words& words)
     ->type_name("N")->capture_default_str();
 }
 
-void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
+void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, OptionTexts& texts)
 {
-  app.add_option("--check", words.checks,
+  app.add_option("--check", texts.checks,
                  "leaks (rays out of closed surfaces), sheets (rays through random sheets), "
                  "crossings (hits that a filter\nreceives if it rejects all), shadows (secondary rays compared with "
                  "GRID's), offsets (shadows at many offsets)")
@@ -210,7 +210,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
     ->type_name("N")->capture_default_str();
   app.add_flag("--check-packets", o.checks.packets,
                "trace these rays in coherent packets as wide as the instruction set");
-  app.add_option("--position", words.position, "position to which models are moved: x,y,z")->type_name("P");
+  app.add_option("--position", texts.position, "position to which models are moved: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError,
                  "bound on cVERT's spacing, and on the thickness of leaves if the frame level is auto, in diagonals\n"
                  "of the cage's bounding box; 0: cVERT stores vertices exactly")
@@ -223,91 +223,91 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
     ->type_name("N")->capture_default_str();
 }
 
-void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
+void declareOutput(CLI::App& app, BenchOptions& o, OptionTexts& texts)
 {
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
   app.add_option("--samples", o.samples, "samples per pixel of shaded pictures; error maps have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--picture-level", words.pictureLevels, "levels for which pictures are written [all]")
+  app.add_option("--picture-level", texts.pictureLevels, "levels for which pictures are written [all]")
     ->type_name("LIST");
   app.add_option("--json", o.json, "file for the measurements, as JSON")->type_name("FILE");
-  app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and exit");
+  app.add_flag("--about", texts.about, "print commit, instruction sets and scenes as JSON, and exit");
 }
 
-std::vector<BenchScene> readScenes(const Words& words)
+std::vector<BenchScene> readScenes(const OptionTexts& texts)
 {
-  SceneSettings settings = words.settings;
-  applyFileArguments(words.files, settings);
-  if (words.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty())
+  SceneSettings settings = texts.settings;
+  applyFileArguments(texts.files, settings);
+  if (texts.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty())
   {
-    settings.scene = words.scenes;
+    settings.scene = texts.scenes;
     validateScene(settings);
     return {{std::filesystem::path(settings.cagePath).stem().string(), settings}};
   }
   if (settings.amplitude)
     throw Error("--amplitude needs --cage: expected the amplitude of a scene after a colon, as in cube:0.45");
   std::vector<BenchScene> scenes;
-  for (const std::string& word : split("--scene", words.scenes))
-    scenes.push_back(parseScene(word, settings));
+  for (const std::string& entry : split("--scene", texts.scenes))
+    scenes.push_back(parseScene(entry, settings));
   return scenes;
 }
 
-void readSurfaces(const Words& words, BenchOptions& o)
+void readSurfaces(const OptionTexts& texts, BenchOptions& o)
 {
-  o.scenes = readScenes(words);
-  o.size = parseImageSize(words.size);
-  o.views = parseViews(words.views.empty() ? std::vector<std::string>{"full"} : words.views, o.size);
-  o.levels = parseIntegers("--level", words.levels, maxLevel);
-  if (!words.pictureLevels.empty())
-    o.pictureLevels = parseIntegers("--picture-level", words.pictureLevels, maxLevel);
-  if (!words.checks.empty())
-    for (const std::string& word : split("--check", words.checks))
-      o.checks.add(word);
-  const bool moves = !words.settings.motion.empty() || !words.settings.cageEnds.empty();
-  if (moves && !words.checks.empty())
+  o.scenes = readScenes(texts);
+  o.size = parseImageSize(texts.size);
+  o.views = parseViews(texts.views.empty() ? std::vector<std::string>{"full"} : texts.views, o.size);
+  o.levels = parseIntegers("--level", texts.levels, maxLevel);
+  if (!texts.pictureLevels.empty())
+    o.pictureLevels = parseIntegers("--picture-level", texts.pictureLevels, maxLevel);
+  if (!texts.checks.empty())
+    for (const std::string& entry : split("--check", texts.checks))
+      o.checks.add(entry);
+  const bool moves = !texts.settings.motion.empty() || !texts.settings.cageEnds.empty();
+  if (moves && !texts.checks.empty())
     throw Error("--check supports only static models: expected no --motion or --cage-end");
-  if (!words.position.empty())
-    o.position = parsePosition(words.position);
+  if (!texts.position.empty())
+    o.position = parsePosition(texts.position);
   if (o.maxError)
     requireNotNegative("--max-error", *o.maxError);
-  o.representations = parseAll(words.representations, words.frameLevels);
+  o.representations = parseAll(texts.representations, texts.frameLevels);
 }
 
-void readLibraries(const Words& words, BenchOptions& o)
+void readLibraries(const OptionTexts& texts, BenchOptions& o)
 {
-  if (!words.libraries.empty() && words.device != "cpu")
-    throw Error("--library traces on the CPU: expected no --library with --device " + words.device);
-  validateTraceDevice(o.device = words.device);
-  if (words.libraries.empty())
+  if (!texts.libraries.empty() && texts.device != "cpu")
+    throw Error("--library traces on the CPU: expected no --library with --device " + texts.device);
+  validateTraceDevice(o.device = texts.device);
+  if (texts.libraries.empty())
     o.libraries.emplace_back();
   else
-    o.libraries = openLibraries(split("--library", words.libraries));
+    o.libraries = openLibraries(split("--library", texts.libraries));
 }
 
-void readCombinations(const Words& words, Machine machine, BenchOptions& o)
+void readCombinations(const OptionTexts& texts, Machine machine, BenchOptions& o)
 {
   constexpr int maxThreads = 1024; // more is probably a typing error
-  if (!words.libraries.empty()) // instead of the program's own library's
+  if (!texts.libraries.empty()) // instead of the program's own library's
     machine.isas = commonIsas(o.libraries);
-  for (const std::string& word : split("--isa", words.isas))
+  for (const std::string& entry : split("--isa", texts.isas))
   {
-    o.isas.push_back(word == "best" ? bestIsa(machine) : word);
+    o.isas.push_back(entry == "best" ? bestIsa(machine) : entry);
     requireIsa(machine, o.isas.back());
   }
-  if (o.device != "cpu" && (words.threads != "1" || words.modes != "single"))
+  if (o.device != "cpu" && (texts.threads != "1" || texts.modes != "single"))
     throw Error("--threads and --mode are for the CPU: expected neither with --device " + o.device);
   if (o.device != "cpu" && o.checks.packets)
     throw Error("--check-packets is for the CPU: expected no packets with --device " + o.device);
   if (o.device != "cpu" && o.checks.crossings)
     throw Error("--check crossings needs filter functions, which only the CPU calls: expected no --device " + o.device);
-  for (int n : parseIntegers("--threads", words.threads, maxThreads))
+  for (int n : parseIntegers("--threads", texts.threads, maxThreads))
     o.threads.push_back(threadCount(n));
-  for (const std::string& word : split("--set", words.sets))
-    o.sets.push_back(parseRaySet(word));
-  for (const std::string& word : split("--query", words.queries))
-    o.queries.push_back(parseQuery(word));
-  for (const std::string& word : split("--mode", words.modes))
-    o.modes.push_back(parseTraceMode(word));
+  for (const std::string& entry : split("--ray-set", texts.sets))
+    o.sets.push_back(parseRaySet(entry));
+  for (const std::string& entry : split("--query", texts.queries))
+    o.queries.push_back(parseQuery(entry));
+  for (const std::string& entry : split("--mode", texts.modes))
+    o.modes.push_back(parseTraceMode(entry));
 }
 
 void validateNumbers(const BenchOptions& o)
@@ -327,24 +327,24 @@ void validateNumbers(const BenchOptions& o)
 std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine)
 {
   BenchOptions o;
-  Words words;
+  OptionTexts texts;
   CLI::App app("Measures representations of displaced subdivision surfaces: memory, build time, speed and error of\n"
                "all combinations of the listed values, interleaved. Always includes GRID; speeds are relative to it.",
                "cbvh_bench");
-  declareLists(app, words);
-  declareMeasurement(app, o, words);
-  declareErrorsAndChecks(app, o, words);
-  declareOutput(app, o, words);
+  declareLists(app, texts);
+  declareMeasurement(app, o, texts);
+  declareErrorsAndChecks(app, o, texts);
+  declareOutput(app, o, texts);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  if (words.about)
+  if (texts.about)
   {
     writeStandardOutput(formatAbout(machine) + "\n");
     return std::nullopt;
   }
-  readSurfaces(words, o);
-  readLibraries(words, o);
-  readCombinations(words, machine, o);
+  readSurfaces(texts, o);
+  readLibraries(texts, o);
+  readCombinations(texts, machine, o);
   validateNumbers(o);
   for (const BenchScene& scene : o.scenes)
     validateOutputs(scene.settings, {{"--json", o.json}});

@@ -45,13 +45,13 @@ struct HitAgreement
 struct ViewResult
 {
   std::string view;
-  HitErrors errors;                         // primary rays, against GRID at the same level
-  HitErrors away;                           // the same, away from silhouettes
-  std::optional<HitErrors> toReference;     // primary rays, against GRID at the reference level
-  std::optional<TrueErrors> toTrue;         // primary rays, against the true surface
-  std::optional<HeightBins> bins, binsAway; // only for cLEAF-only with a given frame level
-  HitErrors bounced;                        // incoherent rays, against GRID at the same level
-  std::string picture, errorMap;            // file names
+  HitErrors errors;                     // primary rays, against GRID at the same level
+  HitErrors errorsAwayFromSilhouettes;  // the same, without rays near silhouettes
+  std::optional<HitErrors> toReference; // primary rays, against GRID at the reference level
+  std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
+  std::optional<HeightBins> bins, binsAwayFromSilhouettes; // only for cLEAF-only with a given frame level
+  HitErrors bounced;                    // incoherent rays, against GRID at the same level
+  std::string picture, errorMap;        // file names
 };
 
 struct VariantResult

@@ -20,7 +20,7 @@ std::string number(const char* format, double value)
 std::string checkLines(const CheckResult& checks)
 {
   std::string out;
-  char line[240];
+  char line[320];
   if (checks.leaks)
   {
     const LeakCounts& c = *checks.leaks;
@@ -53,12 +53,12 @@ std::string checkLines(const CheckResult& checks)
     const ShadowComparison& s = c.comparison;
     const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
     std::snprintf(line, sizeof(line),
-                  "    %s shadows, offset %s, %s: %.3f per 1000 (false occlusions %.3f, false passes %.3f); "
-                  "same hit %.3f; flipped normal %.3f; control %.3f\n",
+                  "    %s shadows, offset %s, %s: %.3f per 1000 rays (false occlusions %.3f, false passes %.3f); "
+                  "of %zu rays with the same hit %.3f, of %zu with a flipped normal %.3f; control %.3f\n",
                   c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
                   share(s.all.sum(), s.rays), share(s.all.falseOcclusions, s.rays), share(s.all.falsePasses, s.rays),
-                  share(s.sameHitErrors.sum(), s.sameHitRays), share(s.flippedErrors.sum(), s.rays),
-                  share(s.control.sum(), s.rays));
+                  s.sameHitRays, share(s.sameHitErrors.sum(), s.sameHitRays), s.flippedRays,
+                  share(s.flippedErrors.sum(), s.flippedRays), share(s.control.sum(), s.rays));
     out += line;
   }
   return out;

@@ -36,7 +36,7 @@ void addErrorsToTrueSurface(const ErrorSettings& settings, const View& view, con
     return heightBins(trueView(sample), view.gridHits, blocks, settings.threads);
   };
   result.bins = bins(view.sample);
-  result.binsAway = bins(view.sampleAway);
+  result.binsAwayFromSilhouettes = bins(view.sampleAwayFromSilhouettes);
 }
 
 } // namespace
@@ -50,7 +50,8 @@ ViewResult errorsInView(const ErrorSettings& settings, const View& view, const B
   ViewResult result;
   result.view = view.name;
   result.errors = compare(view.gridHits, hits);
-  result.away = compare(selectHits(view.gridHits, view.away), selectHits(hits, view.away));
+  result.errorsAwayFromSilhouettes = compare(selectHits(view.gridHits, view.awayFromSilhouettes),
+                                             selectHits(hits, view.awayFromSilhouettes));
   if (view.reference)
     result.toReference = compare(view.reference->gridHits, hits);
   if (settings.surfaces)

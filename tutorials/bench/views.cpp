@@ -31,9 +31,9 @@ View makeView(const BenchOptions& options, const Camera& camera, const BuiltScen
     setTimes(view.primary, Shutter(), 0, view.camera.size(), view.camera.size().width);
   view.gridHits = traceClosest(grid, view.primary, threads);
   view.sample = sampleHits(view.gridHits, options.trueHits, options.seed);
-  view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
-  std::set_intersection(view.sample.begin(), view.sample.end(), view.away.begin(), view.away.end(),
-                        std::back_inserter(view.sampleAway));
+  view.awayFromSilhouettes = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
+  std::set_intersection(view.sample.begin(), view.sample.end(), view.awayFromSilhouettes.begin(),
+                        view.awayFromSilhouettes.end(), std::back_inserter(view.sampleAwayFromSilhouettes));
   BounceSettings bounce;
   bounce.count = options.rays;
   bounce.offset = options.rayOffset * grid.bounds().diagonal();

@@ -30,7 +30,7 @@ struct Options
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
   float maxError = -1; // negative: the library's default
-  Vec3f away{0, 0, 0};
+  Vec3f sceneOffset{0, 0, 0};
   float scale = 1;
   bool check = false;
 };
@@ -56,7 +56,7 @@ std::string describeFloatClusters(const RTCCompressedClusterReport& report)
 size_t measure(const Options& options, Model& model)
 {
   for (Vec3f& p : model.cage.positions)
-    p = p * options.scale + options.away;
+    p = p * options.scale + options.sceneOffset;
   EmbreeDevice device("");
   const SharedTopology topology(device, model.cage, {});
   DisplacementContext context;
@@ -110,7 +110,8 @@ int run(int argc, char** argv)
   app.add_option("--level", options.level, "tessellation level L: each face has 2^L x 2^L quads")
     ->capture_default_str();
   app.add_option("--max-error", options.maxError, "spacing of the lattice, 0 for lossless [the library's default]");
-  app.add_option("--away", options.away.x, "distance by which scenes are moved along x; half of it along y");
+  app.add_option("--scene-offset", options.sceneOffset.x,
+                 "distance by which scenes are moved along x; half of it along y");
   app.add_option("--scale", options.scale, "factor of the cage before it is moved; the displacement is not scaled")
     ->capture_default_str();
   app.add_flag("--check", options.check,
@@ -119,7 +120,7 @@ int run(int argc, char** argv)
   app.add_option("--cage", options.cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   if (!parseCommandLine(app, argc, argv))
     return 0;
-  options.away.y = 0.5f * options.away.x;
+  options.sceneOffset.y = 0.5f * options.sceneOffset.x;
   std::printf("| scene | million triangles | cVERT, bytes per triangle | format | clusters | triangles per cluster | "
               "bytes per triangle | of indices | clusters as floats | s |%s\n"
               "|:--|--:|--:|:--|--:|--:|--:|--:|--:|--:|%s\n",

@@ -31,7 +31,7 @@ struct Options
   std::vector<size_t> counts{1, 10, 100, 10000, 100000};
   std::vector<std::string> accels{"bvh4.grid.eager", "cbvh.vert"};
   std::string shape = "ball";
-  bool release = false;
+  bool releaseInput = false;
   size_t quads = size_t(1) << 22;
   unsigned repeat = 5;
   size_t rays = 200000;
@@ -99,7 +99,7 @@ public:
       std::copy(shape.indices.begin(), shape.indices.end(),
                 (unsigned*)newBuffer(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, 4, shape.indices.size()));
       std::fill_n((unsigned*)newBuffer(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, 4, numFaces), numFaces, 4u);
-      if (options.release) {
+      if (options.releaseInput) {
         RTCCompressionArguments args;
         rtcInitCompressionArguments(&args);
         args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
@@ -209,7 +209,7 @@ void measure(const Options& options, const std::string& accel, size_t count)
   for (unsigned i = 0; i < options.repeat; i++)
   {
     const size_t one = i * 7919 % shapes.count();
-    if (!options.release) edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
+    if (!options.releaseInput) edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
     masks.push_back(secondsOf([&] { shapes.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
   }
   const size_t before = device.memory().live();
@@ -253,7 +253,7 @@ int run(int argc, char** argv)
     ->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
   app.add_option("--quads", options.quads, "approximate number of quads of all geometries together")
     ->capture_default_str();
-  app.add_flag("--release", options.release,
+  app.add_flag("--release-input", options.releaseInput,
                "release input buffers when a geometry is committed (compressed geometries only)");
   app.add_option("--repeat", options.repeat, "number of edits, whose median is reported")
     ->check(CLI::PositiveNumber)->capture_default_str();

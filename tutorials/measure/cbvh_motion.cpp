@@ -32,7 +32,7 @@ struct Options
   std::vector<std::string> motions = motionNames();
   int steps = 2;
   float degrees = 30;
-  bool still = false;
+  bool staticSurface = false;
 };
 
 constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
@@ -113,7 +113,7 @@ Model smallMovingModel(const Box3f& box)
 }
 
 /* The relative speed of rays of a static surface if something else in its scene moves. */
-void measureStill(const Options& options, Model model)
+void measureStatic(const Options& options, Model model)
 {
   model.poses.clear();
   const Model other = smallMovingModel(model.cage.bounds());
@@ -124,12 +124,12 @@ void measureStill(const Options& options, Model model)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_CVERT;
-  const GeometryHandle still = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args);
+  const GeometryHandle fixed = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args);
   const GeometryHandle moving =
     SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
   const SceneHandle alone(rtcNewScene(device.handle())), both(rtcNewScene(device.handle()));
-  rtcAttachGeometry(alone.get(), still.get());
-  rtcAttachGeometry(both.get(), still.get());
+  rtcAttachGeometry(alone.get(), fixed.get());
+  rtcAttachGeometry(both.get(), fixed.get());
   rtcAttachGeometry(both.get(), moving.get());
   rtcCommitScene(alone.get());
   rtcCommitScene(both.get());
@@ -153,19 +153,19 @@ int run(int argc, char** argv)
     ->delimiter(',')->capture_default_str();
   app.add_option("--steps", options.steps, "number of time steps")->capture_default_str();
   app.add_option("--degrees", options.degrees, "angle from the first time step to the last")->capture_default_str();
-  app.add_flag("--still", options.still,
+  app.add_flag("--static", options.staticSurface,
                "measure instead the relative speed of rays of a static surface if something else in its scene moves");
   if (!parseCommandLine(app, argc, argv))
     return 0;
-  if (options.still)
+  if (options.staticSurface)
     std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else
     std::printf("| scene | million quads | GRID, bytes | cVERT | per further step | peak | GRID, s | cVERT | ratio | "
                 "rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
                 "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   options.compared.forEach([&](Model& model) {
-    if (options.still)
-      return measureStill(options, model);
+    if (options.staticSurface)
+      return measureStatic(options, model);
     const std::string name = model.name;
     for (const std::string& motion : options.motions)
     {

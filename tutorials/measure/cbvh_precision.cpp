@@ -35,7 +35,7 @@ struct Options
   std::vector<std::string> inputs{"grids", "triangles"};
   std::string motion = "bend"; // of models
   std::vector<int> steps{1, 2};
-  std::vector<int> fractions;  // of the median edge; empty: one that suits the source
+  std::vector<int> divisors;   // of the median edge; empty: one that suits the source
   int sheetQuads = 1536;       // per side of a sheet
   int gridQuads = 512;         // per side of a grid
 };
@@ -319,8 +319,8 @@ void measure(const Options& options, const Source& source)
   const double edge = medianEdge(exact), quads = double(source.numQuads);
   const PictureRays picture(source.model, embree.handle(), compared.side, source.steps > 1);
   std::vector<std::pair<std::string, double>> precisions;
-  for (int fraction : options.fractions.empty() ? std::vector<int>{source.isCage ? 512 : 36} : options.fractions)
-    precisions.push_back({"1/" + std::to_string(fraction), edge / fraction});
+  for (int divisor : options.divisors.empty() ? std::vector<int>{source.isCage ? 512 : 36} : options.divisors)
+    precisions.push_back({"1/" + std::to_string(divisor), edge / divisor});
   precisions.push_back({"default", -1});
   precisions.push_back({"lossless", 0});
   for (const auto& precision : precisions)
@@ -377,9 +377,9 @@ int run(int argc, char** argv)
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
       ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
   app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
-  app.add_option("--fraction", options.fractions,
-      "comma-separated list: bounds of the movement of vertices to measure besides the default and lossless, as "
-      "fractions 1/N of the median edge (default: 36; cages: 512)")
+  app.add_option("--divisor", options.divisors,
+      "comma-separated list of N: bounds on the movement of vertices to measure besides the default and lossless, 1/N "
+      "of the median edge each (default: 36; cages: 512)")
       ->delimiter(',')->check(CLI::Range(1, 1 << 20));
   app.add_option("--quads", options.sheetQuads, "quads per side of terrains and scans")
       ->check(CLI::Range(16, 30000))->capture_default_str();

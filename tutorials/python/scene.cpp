@@ -458,10 +458,9 @@ hits: hits in this scene.
 reference: hits of the same rays in another representation of the same model.
 pixel_size: width of a pixel at distance 1 (Camera.pixel_size); directions must have unit length.
 
-rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. rmse_of_others_pixels and
+rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. inlier_rmse_pixels and
 bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, which usually mean another sheet of the
-surface. false_hits and misses count rays that hit in only one of both. Normals are in degrees, u and v in quads
-(cells).)";
+surface. false_hits and misses count rays that hit in only one of both. Normals are in degrees, u and v in quads.)";
 
 constexpr const char* trueErrorsText =
   R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.

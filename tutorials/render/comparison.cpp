@@ -43,12 +43,12 @@ MemoryPlan planOf(const Options& options, const Model& model, const BuildSetting
   {
     for (const Representation& r : plan.built)
       if (isStatic(r))
-        plan.leftOut.push_back(optionNameOf(r.kind) + " is left out, because its triangles do not move");
+        plan.skipped.push_back(optionNameOf(r.kind) + " is left out, because its triangles do not move");
     plan.built.erase(std::remove_if(plan.built.begin(), plan.built.end(), isStatic), plan.built.end());
     if (plan.built.empty())
       throw Error("the triangles of naive do not move: expected another --representation");
   }
-  for (const std::string& line : plan.leftOut)
+  for (const std::string& line : plan.skipped)
     std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
   return plan;
 }

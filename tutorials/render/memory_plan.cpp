@@ -39,7 +39,7 @@ public:
     }
     result.built.insert(result.built.end(), compressed.begin(), compressed.end());
     if (result.built.empty())
-      throw Error("not enough memory: " + result.leftOut.front() + "; expected a lower --level");
+      throw Error("not enough memory: " + result.skipped.front() + "; expected a lower --level");
     return result;
   }
 
@@ -73,7 +73,7 @@ private:
                   "%s is left out: %.1f million quads need about %.1f GiB%s%s, but %.1f GiB are free",
                   r.label().c_str(), double(size.quads) * 1e-6, double(peak(r.kind) + other) / gib, other ? " " : "",
                   other ? user.c_str() : "", double(available) / gib);
-    result.leftOut.push_back(text);
+    result.skipped.push_back(text);
     return false;
   }
 

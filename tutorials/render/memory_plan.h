@@ -15,7 +15,7 @@ struct MemoryPlan
 {
   /* In the order of building: GRID, which stays in memory, then NAIVE and NAIVE-compact, then the compressed ones. */
   std::vector<Representation> built;
-  std::vector<std::string> leftOut; // one line per other representation
+  std::vector<std::string> skipped; // reasons, one line per other representation
 };
 
 /* GRID is left out if it does not fit next to the compressed representations, and NAIVE and NAIVE-compact if they do

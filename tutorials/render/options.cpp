@@ -14,7 +14,7 @@ namespace cbvh {
 namespace {
 
 /* Unparsed options, with the defaults that --help shows. */
-struct Words
+struct OptionTexts
 {
   std::vector<std::string> files;
   std::string representations = optionNameOf(RepresentationKind::CVert), size = "1024x1024", crop;
@@ -26,31 +26,31 @@ struct Words
 
 /* In the order of --help. */
 
-void declarePictures(CLI::App& app, Options& o, Words& words)
+void declarePictures(CLI::App& app, Options& o, OptionTexts& texts)
 {
-  addFileArguments(app, words.files, true);
+  addFileArguments(app, texts.files, true);
   app.add_option("--scene", o.scene.scene, "instead of files: generated scene, " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   CLI::Option* const list =
-    app.add_option("--representation", words.representations,
+    app.add_option("--representation", texts.representations,
                    "comma-separated list of " + listOfRepresentations(", ") + "; a frame level may follow after ^ or "
                    ":. Several representations are compared; errors are measured against grid and naive, if listed")
       ->type_name("LIST")->capture_default_str();
-  app.add_flag("--compare", words.compare,
+  app.add_flag("--compare", texts.compare,
                "compare " + defaultRepresentations() + ", or " + meshRepresentations() + " for --mesh")->excludes(list);
-  addViewLevelOptions(app, words.levels);
+  addViewLevelOptions(app, texts.levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
-  app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
-  app.add_option("--crop", words.crop,
+  app.add_option("--size", texts.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--crop", texts.crop,
                  "render only this part of the picture, columns x0 to x1-1 and rows y0 to y1-1 from the upper left; "
                  "parts can be joined without seams. In files of --exr the part is the data window; a PNG contains "
                  "only the part")
     ->type_name("x0,y0,x1,y1");
   app.add_option("--samples", o.samples, "samples per pixel of shaded pictures; error maps and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
-  addShutterOption(app, words.shutter);
-  app.add_option("--colors", words.colors,
+  addShutterOption(app, texts.shutter);
+  app.add_option("--colors", texts.colors,
                  "neutral: gray from both sides; sides: magenta if the normal points away from the camera, because it "
                  "is flipped, or because the inside of the surface is visible")
     ->type_name("COLORS")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
@@ -68,7 +68,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
                "also write linear colors and hits as OpenEXR: position, distance, normal, u, v and primID");
 }
 
-void declareMeasurement(CLI::App& app, Options& o, Words& words)
+void declareMeasurement(CLI::App& app, Options& o, OptionTexts& texts)
 {
   app.add_flag("--speed", o.speed,
                "measure rays per second of each representation, also relative to GRID if it is listed");
@@ -83,7 +83,7 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
                  "also write pictures of ambient occlusion with this number of rays per pixel, from each "
                  "representation's own hits, next to GRID's")
     ->type_name("N")->check(CLI::Range(0, 4096));
-  app.add_option("--true-surface", words.trueHits,
+  app.add_option("--true-surface", texts.trueHits,
                  "number of random hits that are compared with the displaced limit surface, 0 to skip [20000 if "
                  "several representations are compared]")
     ->type_name("N");
@@ -96,7 +96,7 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
 }
 
 /* Results of comparisons must not depend on the view unless auto is given. */
-void chooseLevel(const CLI::App& app, const Words& words, Options& o)
+void chooseLevel(const CLI::App& app, const OptionTexts& texts, Options& o)
 {
   const bool isGiven = app.count("--level") != 0;
   const auto triangulated = std::find_if(o.representations.begin(), o.representations.end(),
@@ -111,21 +111,21 @@ void chooseLevel(const CLI::App& app, const Words& words, Options& o)
     o.autoLevel = false;
   if (!o.autoLevel && app.count("--quad-size"))
     throw Error("--quad-size needs --level auto");
-  o.quadSize = words.levels.quadSize;
-  o.maxPixelError = words.levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
+  o.quadSize = texts.levels.quadSize;
+  o.maxPixelError = texts.levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
 }
 
-void read(const CLI::App& app, const Words& words, Options& o)
+void read(const CLI::App& app, const OptionTexts& texts, Options& o)
 {
   if (o.loadPath.empty())
   {
-    applyFileArguments(words.files, o.scene);
+    applyFileArguments(texts.files, o.scene);
     o.loadPath = o.scene.savedPath;
   }
-  else if (!(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
+  else if (!(texts.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
     throw Error("--load replaces files, --scene, --cage and --mesh: expected none of them");
   const bool needsModel =
-    !o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu";
+    !o.exportPath.empty() || o.ambientRays || texts.trueHits.value_or(0) || o.build.device != "cpu";
   if (!o.loadPath.empty() && (!o.savePath.empty() || needsModel))
     throw Error(o.loadPath + ": a file has no model and is traced on the CPU: expected no --save, --export, --ambient, "
                 "--true-surface or --device");
@@ -136,28 +136,28 @@ void read(const CLI::App& app, const Words& words, Options& o)
     validateScene(o.scene);
   else
     rejectModelOptions(app, o.loadPath);
-  o.autoLevel = parseLevel(words.levels, o.build.level);
+  o.autoLevel = parseLevel(texts.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("invalid --repeat " + std::to_string(o.repeat) + ": expected at least 1");
   requireNotNegative("--ray-offset", o.rayOffset);
   o.scene.threads = o.build.threads;
-  o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
-  o.size = parseImageSize(words.size);
-  o.crop = parseCrop(words.crop, o.size);
-  o.shutter = parseShutter(words.shutter);
+  o.colors = texts.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
+  o.size = parseImageSize(texts.size);
+  o.crop = parseCrop(texts.crop, o.size);
+  o.shutter = parseShutter(texts.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
   const std::string compared = isMesh ? meshRepresentations() : defaultRepresentations();
   o.representations =
-    parseRepresentationOptions(words.compare ? compared : words.representations, words.levels.frameLevel);
-  chooseLevel(app, words, o);
-  o.trueHits = words.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
+    parseRepresentationOptions(texts.compare ? compared : texts.representations, texts.levels.frameLevel);
+  chooseLevel(app, texts, o);
+  o.trueHits = texts.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
   if (isMesh && o.trueHits)
     throw Error("--true-surface needs a cage or a scene: a mesh is its own surface");
   const auto isVert = [](const Representation& r) { return r.kind == RepresentationKind::CVert; };
   if (!o.exportPath.empty() && std::none_of(o.representations.begin(), o.representations.end(), isVert))
     throw Error("--export writes the surface of cvert, which is not listed: expected cvert in --representation");
-  if (!words.crop.empty() && (o.compares() || o.speed || o.ambientRays || words.trueHits.value_or(0)))
+  if (!texts.crop.empty() && (o.compares() || o.speed || o.ambientRays || texts.trueHits.value_or(0)))
     throw Error("--crop renders a part of a single picture: expected no comparison, --speed, --ambient or "
                 "--true-surface");
   if (!o.savePath.empty() && (o.compares() || !o.representations[0].isCompressed()))
@@ -175,15 +175,15 @@ void read(const CLI::App& app, const Words& words, Options& o)
 std::optional<Options> parseOptions(int argc, char** argv)
 {
   Options o;
-  Words words;
+  OptionTexts texts;
   CLI::App app("Renders a displaced subdivision surface, by default in cVERT. Several representations are rendered\n"
                "one after the other, and compared in memory, build time, error and speed.",
                "cbvh_render");
-  declarePictures(app, o, words);
-  declareMeasurement(app, o, words);
+  declarePictures(app, o, texts);
+  declareMeasurement(app, o, texts);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  read(app, words, o);
+  read(app, texts, o);
   return o;
 }
 

@@ -220,7 +220,7 @@ void addMeshErrors(Table& table)
   meshRow(table, "- p99", [](const HitErrors& e) { return number(e.p99, 4); });
   meshRow(table, "- max", [](const HitErrors& e) { return number(e.max, 2); });
   meshRow(table, "- the paper's RMSE", [](const HitErrors& e) { return number(e.rmse, 4); });
-  meshRow(table, "- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
+  meshRow(table, "- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.outliers); });
   meshRow(table, "- bias without these", [](const HitErrors& e) { return number(e.bias, 4); });
   meshRow(table, "- false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
   meshRow(table, "- misses", [](const HitErrors& e) { return std::to_string(e.misses); });
@@ -236,7 +236,7 @@ void addTrueErrors(Table& table)
   trueRow(table, "- max", [](const TrueErrors& e) { return number(e.max, 2); });
   trueRow(table, "- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
   trueRow(table, "- p99, world units", [](const TrueErrors& e) { return scientific(e.p99World); });
-  trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.farOff); });
+  trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.outliers); });
   trueRow(table, "- bias along the ray without these", [](const TrueErrors& e) { return number(e.bias, 4); });
   addNormalsAndParameters(table, &Result::trueErrors);
 }

@@ -111,11 +111,11 @@ void render(const Options& options, const std::string& file, const std::string& 
                {"geometries", scene.geometries().size()},
                {"quads", scene.quads()},
                {"bytes", scene.bytes()},
-               {"openSeconds", scene.seconds()},
-               {"openProcessorSeconds", scene.processorSeconds()},
-               {"firstRaySeconds", scene.seconds() + firstRay},
-               {"pictureSeconds", pictureSeconds},
-               {"liveBytes", scene.liveBytes()}});
+               {"open_seconds", scene.seconds()},
+               {"open_processor_seconds", scene.processorSeconds()},
+               {"first_ray_seconds", scene.seconds() + firstRay},
+               {"picture_seconds", pictureSeconds},
+               {"live_bytes", scene.liveBytes()}});
   writeTextFile(options.json, json.dump(2) + "\n");
 }
 
@@ -138,10 +138,10 @@ void saveAndRender(const Options& options, const ModelView& view)
                 double(built.quads) * 1e-6 / built.seconds, double(built.peakBytes) / (1 << 20));
   writeStandardOutput(options.savePath + ": " + line);
   render(options, options.savePath, view.model.name, &view.camera, view.model.view.up,
-         {{"found", built.found},
-          {"buildSeconds", built.seconds},
-          {"builtQuads", built.quads},
-          {"buildPeakBytes", built.peakBytes}});
+         {{"resumed_geometries", built.found},
+          {"build_seconds", built.seconds},
+          {"built_quads", built.quads},
+          {"build_peak_bytes", built.peakBytes}});
 }
 
 } // namespace cbvh

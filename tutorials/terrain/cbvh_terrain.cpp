@@ -154,7 +154,8 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
       size_t traced = 0;
       for (size_t i = begin; i < end; i++)
       {
-        const Vec3f from = vertexAt(options, elevation, x0 + int(i) % w, y0 + int(i) / w, heights[i] + options.lift);
+        const int x = x0 + int(i) % w, y = y0 + int(i) / w;
+        const Vec3f from = vertexAt(options, elevation, x, y, heights[i] + options.startHeight);
         factors[i] = std::isfinite(from.z) ? skyViewFactor(options, terrain, from, traced) : NAN;
       }
       rays += traced;

@@ -100,7 +100,7 @@ void Elevation::readRows(int begin, int end)
 
 float Elevation::noiseAt(int x, int y) const
 {
-  float sum = 0, amplitude = settings.detail, frequency = 1 / longestWave;
+  float sum = 0, amplitude = settings.noiseHeight, frequency = 1 / longestWave;
   for (int octave = 0; octave < octaves; octave++, amplitude *= 0.5f, frequency *= 2)
     sum += amplitude * gradientNoise({float(x) * frequency, float(y) * frequency, 0.5f}, uint32_t(octave));
   return sum;
@@ -119,7 +119,7 @@ std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned thr
         const size_t index = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
             + size_t(mirrored(x, sourceWidth));
         heights[row * size_t(w) + size_t(column)] = rows[index]
-            + (isRepeated && settings.detail > 0 ? noiseAt(x, y) : 0);
+            + (isRepeated && settings.noiseHeight > 0 ? noiseAt(x, y) : 0);
       }
   });
   return heights;

@@ -19,7 +19,7 @@ struct ElevationSettings
   std::string path;
   std::optional<float> nodata;  // of missing samples, in addition to NaN and GDAL's tag
   std::vector<int> repeat{1};   // copies along x and y, or along both
-  float detail = 0;             // height of the largest added features, in the raster's unit
+  float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
 };
 
 class Elevation

@@ -19,7 +19,7 @@ bool parseOptions(Options& options, int argc, char** argv)
       "height of missing samples, in addition to NaN and GDAL's tag");
   app.add_option("--repeat", options.elevation.repeat,
       "N or N,M: copies of the raster along x and y, each mirrored")->expected(1, 2)->delimiter(',');
-  app.add_option("--detail", options.elevation.detail,
+  app.add_option("--noise-height", options.elevation.noiseHeight,
       "height of noise that makes copies differ [4 cells, 0 without --repeat]");
   app.add_option("--window", options.window,
       "x0,y0,x1,y1: part to compute, columns x0 to x1-1 and rows y0 to y1-1 [all]")->expected(4)->delimiter(',');
@@ -29,7 +29,8 @@ bool parseOptions(Options& options, int argc, char** argv)
       "accuracy of horizons in degrees")->capture_default_str()->check(CLI::Range(0.001, 10.0));
   app.add_option("--max-error", options.maxError,
       "largest spacing of the lattice on which vertices are stored [1/128 of a cell]");
-  app.add_option("--lift", options.lift, "height above the samples at which rays start [1/64 of a cell]");
+  app.add_option("--start-height", options.startHeight,
+      "height above the samples at which rays start [1/64 of a cell]");
   app.add_option("--tile", options.tile, "quads per side of a tile")
       ->capture_default_str()->check(CLI::Range(16, 16000));
   app.add_option("--threads", options.threads, "number of threads, 0 for all")
@@ -39,17 +40,17 @@ bool parseOptions(Options& options, int argc, char** argv)
       ->check(CLI::IsMember({"grid", "quad", "triangle"}));
   if (!parseCommandLine(app, argc, argv))
     return false;
-  requireNotNegative("--detail", options.elevation.detail);
+  requireNotNegative("--noise-height", options.elevation.noiseHeight);
   requireNotNegative("--max-error", options.maxError);
-  requireNotNegative("--lift", options.lift);
+  requireNotNegative("--start-height", options.startHeight);
   if (!(options.cell > 0) || !std::isfinite(options.cell))
     throw Error("invalid --cell " + shortNumber(options.cell) + ": expected a finite length above 0");
   if (options.maxError == 0)
     options.maxError = options.cell / 128;
-  if (options.lift == 0)
-    options.lift = options.cell / 64;
-  if (app.count("--repeat") && !app.count("--detail"))
-    options.elevation.detail = 4 * options.cell;
+  if (options.startHeight == 0)
+    options.startHeight = options.cell / 64;
+  if (app.count("--repeat") && !app.count("--noise-height"))
+    options.elevation.noiseHeight = 4 * options.cell;
   return true;
 }
 

@@ -15,7 +15,7 @@ struct Options
   ElevationSettings elevation;
   float cell = 30;            // distance between samples, in the raster's unit, as all lengths
   float maxError = 0;         // largest spacing of the vertices' lattice
-  float lift = 0;             // of the rays' origins above the samples
+  float startHeight = 0;      // of rays above the samples
   int tile = 1000;            // quads per side of a tile
   int azimuths = 16;          // directions per sample
   float accuracy = 0.1f;      // of horizons, in degrees

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "surface/placed_map.h"
+#include "surface/mapped_texture.h"
 #include "basics/error.h"
 #include "surface/udim_tiles.h"
 
@@ -44,11 +44,11 @@ Coordinate operator*(const Coordinate& a, float s) { return {a.uv * s, a.width *
 
 /* The filter width is interpolated from corners, where it is the mean over all faces with the same vertex and
  * coordinate. So on an edge without a seam it depends on the edge alone. */
-class MapByCoordinates : public PlacedMap
+class UVMappedTexture : public MappedTexture
 {
 public:
-  MapByCoordinates(const Cage& cage, const DisplacementMap& map, std::string& warnings)
-    : PlacedMap(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
+  UVMappedTexture(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+    : MappedTexture(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
       texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat, warnings),
       corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
   {
@@ -155,11 +155,11 @@ private:
   std::vector<char> edgeDiffers, cornerDiffers;
 };
 
-class MapByFaces : public PlacedMap
+class FaceMappedTexture : public MappedTexture
 {
 public:
-  MapByFaces(const Cage& cage, const DisplacementMap& map, std::string& warnings)
-    : PlacedMap(cage),
+  FaceMappedTexture(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+    : MappedTexture(cage),
       texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp, warnings),
       repeat(map.repeat)
   {
@@ -222,14 +222,15 @@ void requireAllUVs(const Cage& cage, const DisplacementMap& map)
 
 } // namespace
 
-std::unique_ptr<PlacedMap> PlacedMap::create(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+std::unique_ptr<MappedTexture> MappedTexture::create(const Cage& cage, const DisplacementMap& map,
+                                                     std::string& warnings)
 {
   requireAllUVs(cage, map);
   if (cage.hasUVs())
-    return std::make_unique<MapByCoordinates>(cage, map, warnings);
+    return std::make_unique<UVMappedTexture>(cage, map, warnings);
   if (isUdimPath(map.path))
     throw Error(cage.name + ": the cage has no texture coordinates, but the tiles of " + map.path + " need them");
-  return std::make_unique<MapByFaces>(cage, map, warnings);
+  return std::make_unique<FaceMappedTexture>(cage, map, warnings);
 }
 
 } // namespace cbvh

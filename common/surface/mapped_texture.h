@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A map on the faces of a cage. At a seam, each face samples its own side of the map. */
+/* A displacement map and its mapping to the faces of a cage, by texture coordinates or per face. At a seam, each face
+ * samples its own side of the map. */
 
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
@@ -14,13 +15,13 @@
 
 namespace cbvh {
 
-class PlacedMap
+class MappedTexture
 {
 public:
-  virtual ~PlacedMap() = default;
+  virtual ~MappedTexture() = default;
 
   /* Parameters and errors as displaceByMap. */
-  static std::unique_ptr<PlacedMap> create(const Cage& cage, const DisplacementMap& map, std::string& warnings);
+  static std::unique_ptr<MappedTexture> create(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
   /* Writes one value, or three for vectors, filtered to the spacing of `level`; nothing where there is no map.
    * Thread-safe. */
@@ -35,7 +36,7 @@ public:
   const FaceBorders& borders() const { return faceBorders; }
 
 protected:
-  explicit PlacedMap(const Cage& cage) : faceBorders(cage) {}
+  explicit MappedTexture(const Cage& cage) : faceBorders(cage) {}
 
   FaceBorders faceBorders;
 };

@@ -5,36 +5,36 @@
 # Checks that folders of the kernels and of the codec include only headers of lower folders. Lists the includes that
 # do not.
 #
-#   rooms.sh KERNELS
+#   include_directions.sh KERNELS
 
 set -eu
 cd "$1"
 failed=0
 
-# within HOUSE: selects the folder whose subfolders the following checks refer to
-within() { house=$1 rooms= ; }
+# begin FOLDER: the following checks refer to subfolders of FOLDER
+begin() { folder=$1 checked= ; }
 
-# check ROOM LOWER...
+# check SUBFOLDER LOWER...: SUBFOLDER may include headers of itself and of the subfolders LOWER
 check() {
-  room=$1; shift
-  rooms="$rooms|$room"
-  [ -d "$house/$room" ] || { echo "no folder $house/$room"; failed=1; }
-  for folder in "$house"/*/; do
-    other=$(basename "$folder")
-    case " $room $* " in *" $other "*) continue ;; esac
-    found=$(grep -rnE "#include \"(\.\./)+($house/)?$other/" "$house/$room" || true)
+  subfolder=$1; shift
+  checked="$checked|$subfolder"
+  [ -d "$folder/$subfolder" ] || { echo "no folder $folder/$subfolder"; failed=1; }
+  for path in "$folder"/*/; do
+    other=$(basename "$path")
+    case " $subfolder $* " in *" $other "*) continue ;; esac
+    found=$(grep -rnE "#include \"(\.\./)+($folder/)?$other/" "$folder/$subfolder" || true)
     [ -z "$found" ] || { echo "$found"; failed=1; }
   done
 }
 
-# Ends the checks of a house; fails if a folder was not checked.
+# Ends the checks of a folder; fails if a subfolder was not checked.
 end() {
-  for folder in "$house"/*/; do
-    case "$rooms|" in *"|$(basename "$folder")|"*) ;; *) echo "no check of $folder"; failed=1 ;; esac
+  for path in "$folder"/*/; do
+    case "$checked|" in *"|$(basename "$path")|"*) ;; *) echo "no check of $path"; failed=1 ;; esac
   done
 }
 
-within cvert
+begin cvert
 check basics
 check format basics
 check rule format basics
@@ -44,7 +44,7 @@ check file decoder format basics
 check clusters basics
 end
 
-within cbvh
+begin cbvh
 check embree
 check state embree
 check base embree
