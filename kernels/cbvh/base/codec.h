@@ -23,7 +23,7 @@ namespace embree
   {
     using namespace cvert;
 
-    /* The overloads for vectors (vectors.h) are in namespace embree. They would hide the names of a using-directive. */
+    /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible. */
     using cvert::lesser;
     using cvert::greater;
     using cvert::magnitude;

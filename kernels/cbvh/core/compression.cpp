@@ -26,7 +26,6 @@ namespace embree
             : "unknown compression ") + std::to_string(compression));
       }
 
-      /*! name, value: of the member, for the message. */
       template<typename T>
       void require (bool isValid, const char* name, T value, const std::string& expected) {
         if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "

@@ -4,14 +4,14 @@
 #pragma once
 
 /* Finds pairs of triangles that share an edge, anywhere in the index buffer, for quad_regions.cpp. In a regular mesh,
- * an inner triangle has three neighbors. Pairs form a grid of quads if their shared edges have the same direction:
+ * an inner triangle has three neighbors. Pairs form a grid of quads if their shared edges are parallel:
  *
- * - Programs that split quads begin all first triangles at the same corner, and all second ones. The shared edge then
- *   has one index in all first triangles, and one in all second ones. Of several such directions, the longest edge is
- *   chosen, as the quads' diagonal.
+ * - Programs that split quads begin all first triangles at one corner, and all second triangles at one corner. The
+ *   shared edge is then edge e of all first triangles, and edge f of all second ones. If several e and f are possible,
+ *   the longest edge is chosen, as the quads' diagonal.
  * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid.
  *
- * Edges separate regions if they do not have exactly two triangles, or if both have the same direction. */
+ * Edges separate regions unless exactly two triangles, with consistent winding, share them. */
 
 #include "../embree/scene.h"
 #include "welded_vertices.h"

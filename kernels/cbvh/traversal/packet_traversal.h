@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. So that
- * hits equal those of single rays, a ray only visits blocks whose bounds it intersects, because it could hit geometry
- * outside of these bounds (framed/block_bounds.h), and entry distances are passed as in top_level1.h. */
+/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Single
+ * rays have the same hits: a ray visits only blocks whose bounds it intersects itself, because it could hit geometry
+ * outside of them (framed/block_bounds.h). Entry distances are passed as in top_level1.h. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -74,8 +74,7 @@ namespace embree
         }
 
       private:
-        /*! Embree's robust box test of a single ray, for packets: the same operations, with the factors of
-         *  PlaneFactors. */
+        /*! Embree's robust box test for packets: the operations of single rays, with the factors of PlaneFactors. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];

@@ -54,8 +54,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   inline uint32_t maskBits(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
 
-  inline uint32_t lanesLess(Float4 a, Float4 b) { return maskBits(vcltq_f32(a.v,b.v)); }
-  inline uint32_t lanesEqual(Float4 a, Float4 b) { return maskBits(vceqq_f32(a.v,b.v)); }
+  inline uint32_t lessThanBits(Float4 a, Float4 b) { return maskBits(vcltq_f32(a.v,b.v)); }
+  inline uint32_t equalBits(Float4 a, Float4 b) { return maskBits(vceqq_f32(a.v,b.v)); }
 
   struct Int4
   {
@@ -107,7 +107,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 rounded(Float4 a) { return vcvtnq_s32_f32(a.v); }
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? vcvtns_s32_f32(a) : INT32_MIN; }
 
-  inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
+  inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     auto pick = [](Float4 low, Float4 high, const uint8x16_t& bytes) {
       return vreinterpretq_f32_u8(

@@ -54,11 +54,11 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   template<typename Comparison>
-  inline uint32_t lanesWhere(const Comparison& isTrue) {
-    return uint32_t(isTrue(0)) | uint32_t(isTrue(1)) << 1 | uint32_t(isTrue(2)) << 2 | uint32_t(isTrue(3)) << 3;
+  inline uint32_t laneBits(const Comparison& compare) {
+    return uint32_t(compare(0)) | uint32_t(compare(1)) << 1 | uint32_t(compare(2)) << 2 | uint32_t(compare(3)) << 3;
   }
-  inline uint32_t lanesLess(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] < b.v[i]; }); }
-  inline uint32_t lanesEqual(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] == b.v[i]; }); }
+  inline uint32_t lessThanBits(Float4 a, Float4 b) { return laneBits([&](int i) { return a.v[i] < b.v[i]; }); }
+  inline uint32_t equalBits(Float4 a, Float4 b) { return laneBits([&](int i) { return a.v[i] == b.v[i]; }); }
 
   struct Int4
   {
@@ -98,9 +98,9 @@ namespace cvert { inline namespace CVERT_ISA
   template<typename Operation>
   inline int reduce(Int4 a, const Operation& operation)
   {
-    Int4 sum = int(a.v[0]);
-    for (int i=1; i<4; i++) sum = operation(sum,Int4(int(a.v[i])));
-    return int(sum.v[0]);
+    Int4 result = int(a.v[0]);
+    for (int i=1; i<4; i++) result = operation(result,Int4(int(a.v[i])));
+    return int(result.v[0]);
   }
   inline int reduceMin(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return min(x,y); }); }
   inline int reduceMax(Int4 a) { return reduce(a,[](Int4 x, Int4 y) { return max(x,y); }); }
@@ -117,7 +117,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
   inline Int4 rounded(Float4 a) { return Int4::of([&](int i) { return rounded(a.v[i]); }); }
 
-  inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
+  inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     x = Float4(a.v[0],a.v[3],b.v[2],c.v[1]);
     y = Float4(a.v[1],b.v[0],b.v[3],c.v[2]);

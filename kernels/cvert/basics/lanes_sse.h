@@ -47,8 +47,8 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /* Return a bit per lane; bit i is lane i. */
-  inline uint32_t lanesLess(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
-  inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
+  inline uint32_t lessThanBits(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
+  inline uint32_t equalBits(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
   struct Int4
   {
@@ -118,7 +118,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
   /*! Splits four vertices by axis. a, b, c: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
-  inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
+  inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices
                  xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the last two

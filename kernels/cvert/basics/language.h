@@ -9,12 +9,12 @@
  * In C++, Real is a template parameter: float, double, or a vector type of Embree. In GLSL it is float.
  *
  *   CVERT_BEGIN, CVERT_END        around all shared code: namespaces in C++
- *   CVERT_FUNCTION                 before a function
+ *   CVERT_FUNCTION                before a function
  *   CVERT_CONSTANT                before a constant
  *   CVERT_REAL                    before a function or struct that uses Real
- *   CVERT_OF(Type)                a struct of CVERT_REAL, with the same Real
+ *   CVERT_OF(Type)                Type<Real>, a struct of CVERT_REAL
  *   CVERT_BOOL(Type)              result type of comparisons of Type: bool or a mask
- *   CVERT_AS_FLOAT(Function)      a function or struct of CVERT_REAL, with Real = float
+ *   CVERT_AS_FLOAT(Function)      Function<float>, a function or struct of CVERT_REAL
  *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles; float
  *                                 in shaders without CBVH_FLOAT64, which compute exact signs with integers
  *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide
@@ -24,7 +24,7 @@
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
 
-#ifdef VULKAN // glslc defines it, so it means GLSL
+#ifdef VULKAN // glslc defines it
 
 #define CVERT_BEGIN
 #define CVERT_END

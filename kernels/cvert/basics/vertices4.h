@@ -19,12 +19,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Loads p[0] to p[3]. */
     explicit Vertices4(const float (*p)[3])
-      : Vertices4(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8),true) {}
+      : Vertices4(deinterleaved(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8))) {}
 
-    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. The bool only selects this constructor. */
-    Vertices4(Float4 a, Float4 b, Float4 c, bool)
+    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+    static Vertices4 deinterleaved(Float4 a, Float4 b, Float4 c)
     {
-      transpose(a,b,c,x,y,z);
+      Float4 x, y, z;
+      deinterleave(a,b,c,x,y,z);
+      return Vertices4(x,y,z);
     }
 
     friend Vertices4 operator-(const Vertices4& a, const Vertices4& b) { return Vertices4(a.x-b.x,a.y-b.y,a.z-b.z); }
@@ -38,10 +40,10 @@ namespace cvert { inline namespace CVERT_ISA
   inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
   {
     Float4 low = maxCoordinate, high = -maxCoordinate;
-    uint32_t finite = 7;
+    uint32_t finiteAxes = 7;
     for (size_t i=0; i<count; i++) {
       const Float4 v = loadVertex(vertices,i,count);
-      finite &= lanesLess(abs(v),maxCoordinate);
+      finiteAxes &= lessThanBits(abs(v),maxCoordinate);
       low = min(low,v);
       high = max(high,v);
     }
@@ -49,6 +51,6 @@ namespace cvert { inline namespace CVERT_ISA
     low.store(bounds[0]);
     high.store(bounds[1]);
     for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
-    return finite == 7;
+    return finiteAxes == 7;
   }
 }}

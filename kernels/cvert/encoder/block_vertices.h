@@ -198,7 +198,7 @@ namespace cvert { inline namespace CVERT_ISA
         const Vertices4 p(vertices+i);
         auto add = [&](int k, Float4 x) {
           const Int4 n = truncated(x*scale[k]); // 0 if the product underflows
-          integral[k] &= lanesEqual(toFloat(n)*unit[k],x);
+          integral[k] &= equalBits(toFloat(n)*unit[k],x);
           any[k] = any[k] | (n-first[k]);
         };
         add(0,p.x); add(1,p.y); add(2,p.z);

@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
       q.store(&snapped[0][0]+4*i);
       square[i] = d*d;
     }
-    const Vertices4 s(square[0],square[1],square[2],true);
+    const Vertices4 s = Vertices4::deinterleaved(square[0],square[1],square[2]);
     const Float4 distance2 = s.x+s.y+s.z;
     return reduceMax(lessThan(distance2,std::numeric_limits<float>::max()) & distance2);
   }
@@ -41,7 +41,7 @@ namespace cvert { inline namespace CVERT_ISA
         : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
     };
     const Normals n(original,width), m(snapped,width);
-    const uint32_t flipped = lanesLess(dot(n.lower,m.lower),0.0f) | lanesLess(dot(n.upper,m.upper),0.0f);
+    const uint32_t flipped = lessThanBits(dot(n.lower,m.lower),0.0f) | lessThanBits(dot(n.upper,m.upper),0.0f);
     return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // population count
   }
 }}

@@ -110,7 +110,7 @@ namespace cvert
     const FileHeader none = FileHeader();
     if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
     {
-      // the previous writer saved nothing, unless the file is short and of another kind
+      // nothing was saved; a short file may be of another kind
       if (memcmp(&header,&none,sizeof(none)) != 0) reject("is not a file of compressed surfaces");
       if (::ftruncate(part,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
@@ -162,8 +162,8 @@ namespace cvert
 
   uint32_t FileWriter::chooseSurfaceNumber (const FileGeometry& record)
   {
-    // Depends only on contents: the same surfaces produce the same file, other files most likely differ.
-    const uint32_t count = firstFileNumber-1; // -1 because a moving surface would have ~0u, which is reserved
+    // a hash, so that equal surfaces produce equal files, and numbers of different files rarely collide
+    const uint32_t count = firstFileNumber-1; // -1: ~0u, a moving surface, is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
     return number | firstFileNumber | (record.form == FILE_MOVING ? movingSurface : 0);

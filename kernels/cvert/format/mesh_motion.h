@@ -43,8 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline uint32_t stepBaseBits (uint32_t info, uint32_t axis) { return (info >> (12+6*axis)) & 63; }
 
-  /*! Bits of a vertex's field on an axis. record: of the group. Its bits 0..4, 5..9 and 10..14 are those of x, y and z,
-   *  where 31 means 32. */
+  /*! Bits of a vertex's field on an axis. The group's record has 5 bits for each axis, from bit 0 on; 31 means 32. */
   inline uint32_t stepFieldBits (uint32_t record, uint32_t axis) {
     const uint32_t bits = (record >> (5*axis)) & 31;
     return bits == 31 ? 32 : bits;
@@ -88,7 +87,7 @@ namespace cvert { inline namespace CVERT_ISA
     return motion;
   }
 
-  /*! step: from 1 to the number of steps minus 1. */
+  /*! step: 1 to numSteps-1. */
   inline const MeshStep* meshStepOf (const MeshHeader* block, uint32_t step)
   {
     uint32_t offset;
@@ -108,7 +107,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
-   *  +-2^30, so that the conversion to an integer is defined. 1.175e-38 is the smallest normal float. */
+   *  +-2^30, so that the conversion to an integer is defined. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
     if (hasRanks(spacings,axis))
