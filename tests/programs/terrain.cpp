@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -38,7 +39,7 @@ protected:
     char name[] = "/tmp/cbvh-terrain-XXXXXX";
     folder = mkdtemp(name);
   }
-  ~Terrain() { std::system(("rm -rf " + folder).c_str()); }
+  ~Terrain() { std::filesystem::remove_all(folder); }
 
   template<typename T>
   std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt)
