@@ -150,7 +150,7 @@ namespace embree
             const GridMesh::Grid& grid = mesh->grid(i);
             if (grid.resX < 2 || grid.resY < 2) continue;
             const size_t x = grid.resX-1, y = grid.resY-1;
-            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
+            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false),bytesOfGridInEmbree(x,y,mesh->numTimeSteps,mesh->device) };
           }
           return sum;
         },std::plus<Bytes>());

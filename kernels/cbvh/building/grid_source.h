@@ -66,7 +66,7 @@ namespace embree
       }
 
       size_t bytesInEmbree (const SurfacePatch& patch) const {
-        return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps);
+        return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps,mesh->device);
       }
 
       class Writer

@@ -24,7 +24,7 @@
  *       Default spacing of lattices, as a fraction of the median edge.
  *   bool isError (size_t i) const
  *       True if a commit reports grid i as an error: its vertices are outside of their buffer.
- *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
+ *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device)
  *       Estimated bytes of Embree's own kernels for a grid. */
 
 #include "embree_bytes.h"
@@ -93,8 +93,8 @@ namespace embree
       }
       bool getNumbers (size_t, cbvh::QuadNumbers&) const { return false; }
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
-        return bytesOfGridInEmbree(quadsX,quadsY);
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device) {
+        return bytesOfGridInEmbree(quadsX,quadsY,numTimeSteps,device);
       }
 
     private:
@@ -157,7 +157,7 @@ namespace embree
       /*! Embree skips quads with invalid indices without an error. */
       static bool isError (size_t) { return false; }
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device*) {
         return bytesOfQuad(numTimeSteps)*quadsX*quadsY;
       }
 

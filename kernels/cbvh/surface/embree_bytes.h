@@ -7,12 +7,22 @@
  * whether compression saves memory, and appear in the line about a commit. The constants fit the measurements in
  * docs/performance.md. */
 
+#include "../embree/scene.h"
 #include <cstddef>
 
 namespace embree
 {
-  /*! A grid of a grid geometry, which Embree divides into leaves of 2 x 2 quads. Motion does not change the size. */
-  inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
+  /*! A grid of a grid geometry, which Embree divides into leaves of 2 x 2 quads. Its nodes for static grids have eight
+   *  children with AVX, otherwise four. */
+  inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device)
+  {
+#if defined(EMBREE_TARGET_SIMD8)
+    const bool isWide = device->canUseAVX();
+#else
+    const bool isWide = false;
+#endif
+    return (numTimeSteps == 1 && !isWide ? 46 : 68)*((quadsX+1)/2)*((quadsY+1)/2);
+  }
 
   /*! A grid as cVERT, with its share of the tree. A block needs 8 more bytes if its quads have numbers (primIDs) that
    *  follow a pattern. */
