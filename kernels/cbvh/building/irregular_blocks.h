@@ -80,7 +80,7 @@ namespace embree
         const IrregularTriangles& triangles;
 
         void operator() (uint32_t primitive, float lower[3], float upper[3]) const {
-          triangles.bound(primitive,lower,upper);
+          triangles.bounds(primitive,lower,upper);
         }
       };
 
