@@ -217,7 +217,7 @@ namespace embree
         cbvh::BlockStatistics blockStatistics;
         blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need no test
         encoder.encode(block,tiled.x,tiled.y,blockStatistics,tiled.sharpSides);
-        block->surface = patch.surface;
+        block->surface = patch.surfaceNumber;
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(tiled.tiling.x-1,tiled.tiling.y-1,patch.corner[0],patch.corner[1]);
         addBlock(patchStatistics,tiled,blockStatistics);

@@ -185,7 +185,7 @@ namespace embree
       void commitBlock (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size,
                         const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
       {
-        header->surface = patch.surface;
+        header->surface = patch.surfaceNumber;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
         addBlock(header,size,block);
