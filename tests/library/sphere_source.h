@@ -35,16 +35,16 @@ namespace embree
       class Patch : public SurfacePatch
       {
       public:
-        Patch (uint32_t surface, unsigned face, unsigned n, Scratch& scratch) : scratch(scratch)
+        Patch (uint32_t surfaceNumber, unsigned face, unsigned n, Scratch& scratch) : scratch(scratch)
         {
-          this->surface = surface;
+          this->surfaceNumber = surfaceNumber;
           primID = face;
           corner[0] = corner[1] = 0;
           quads[0] = quads[1] = n;
           for (float& r : rates) r = float(n);
           rate = rates;
         }
-        Patch (const Patch& other, Scratch& scratch) : Patch(other.surface,other.primID,other.quads[0],scratch) {}
+        Patch (const Patch& other, Scratch& scratch) : Patch(other.surfaceNumber,other.primID,other.quads[0],scratch) {}
 
         PatchVertices& evaluate (unsigned, unsigned, const PatchPart& part, unsigned)
         {
@@ -101,7 +101,7 @@ namespace embree
       template<typename Closure>
       void forEachPatch (size_t face, Scratch& scratch, const Closure& closure) const
       {
-        Patch patch(plan.surface,unsigned(face),mesh->quads,scratch);
+        Patch patch(plan.surfaceNumber,unsigned(face),mesh->quads,scratch);
         closure(patch);
       }
 

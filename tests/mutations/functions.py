@@ -60,7 +60,7 @@ FUNCTIONS = (
     Entry("CellEncoder::write", 2, BLOCK),
     Entry("CellEncoder::bitsOf", 2, BLOCK),
     Entry("CellEncoder::removeSlope", 3, BLOCK, {"[< => <=] - maxSlope": "both are equal then"}),
-    Entry("BlockVertices::bound", 3, BLOCK),
+    Entry("BlockVertices::computeBounds", 3, BLOCK),
     Entry("BlockVertices::chooseSpacings", 2, BLOCK),
     Entry("BlockVertices::computeCoordinates", 2, BLOCK),
     Entry("BlockVertices::findSteps", 3, BLOCK,

@@ -47,7 +47,7 @@ static bool parseSwitch(const std::string& text, bool& value)
 }
 
 /* Items of EMBREE_CBVH that messages suggest. */
-static const std::vector<std::string> words =
+static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
 /* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
@@ -100,7 +100,7 @@ const Options& options()
       read.isOn = false; // libembree3 of this project rejects the item, too
       warnOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
-               item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
+               item.c_str(), embree::nearestName(item.substr(0, item.find('=')), suggestions).c_str());
     }
     return read;
   }();

@@ -81,7 +81,7 @@ void call(const Function& function, const Arguments* args, const SubstituteData&
 
 /* --- callbacks -------------------------------------------------------------------------------- */
 
-void bound(const RTCBoundsFunctionArguments* args)
+void computeBounds(const RTCBoundsFunctionArguments* args)
 {
   RTCBoundsFunctionArguments changed = *args;
   changed.geometryUserPtr = ((const SubstituteData*)args->geometryUserPtr)->group;
@@ -147,7 +147,7 @@ RTCGeometry newUserGeometry(RTCDevice device, SubstituteData* data)
   if (!geometry) return nullptr;
   REAL(rtcSetGeometryUserPrimitiveCount)(geometry, 1);
   REAL(rtcSetGeometryUserData)(geometry, data);
-  REAL(rtcSetGeometryBoundsFunction)(geometry, bound, nullptr);
+  REAL(rtcSetGeometryBoundsFunction)(geometry, computeBounds, nullptr);
   REAL(rtcSetGeometryIntersectFunction)(geometry, intersect);
   REAL(rtcSetGeometryOccludedFunction)(geometry, occluded);
   return geometry;

@@ -63,8 +63,8 @@ namespace embree
     "frame_level","max_error","fallback_faces","grids","quads","triangles","release_input",
     "exact_faces" }; // former name of fallback_faces
 
-  static bool isKey (const std::string& word) {
-    return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
+  static bool isKey (const std::string& name) {
+    return std::find(std::begin(keys),std::end(keys),name) != std::end(keys);
   }
 
   /*! Keys and values of the device string that neither Embree nor this library knows. A new device calls
@@ -83,7 +83,7 @@ namespace embree
   static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
   {
     const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
-    invalid(where,key,"unknown key, did you mean " + prefix + nearestWord(hasPrefix ? key.substr(prefix.size()) : key,
+    invalid(where,key,"unknown key, did you mean " + prefix + nearestName(hasPrefix ? key.substr(prefix.size()) : key,
                                                                           { std::begin(keys),std::end(keys) }) + "?");
   }
 

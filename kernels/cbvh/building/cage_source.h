@@ -68,7 +68,7 @@ namespace embree
       {
         if (!hasSurface(mesh,face)) return;
         isa::forEachPatch(mesh,face,[&](const PatchOfFace& patch) {
-            CagePatch cagePatch(mesh,plan.surface,face,patch,borders.get(),evaluator);
+            CagePatch cagePatch(mesh,plan.surfaceNumber,face,patch,borders.get(),evaluator);
             closure(cagePatch);
           });
       }

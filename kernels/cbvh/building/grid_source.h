@@ -61,7 +61,7 @@ namespace embree
       void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const
       {
         if (!borders.isValid(grid)) return;
-        Patch patch(borders,plan.surface,grid,scratch);
+        Patch patch(borders,plan.surfaceNumber,grid,scratch);
         closure(patch);
       }
 

@@ -56,7 +56,7 @@ namespace embree
                   new MovingMeshWriter(triangles,plan,store,statistics)));
               else
                 write(clusters,parts[i],std::unique_ptr<MeshWriter>(
-                  new MeshWriter(triangles,plan.surface,store,statistics)));
+                  new MeshWriter(triangles,plan.surfaceNumber,store,statistics)));
               results.add(numGrids+i,0,0,store);
               results.add(statistics);
               progress(perCenter*double(parts[i].size()));
@@ -80,7 +80,7 @@ namespace embree
         const IrregularTriangles& triangles;
 
         void operator() (uint32_t primitive, float lower[3], float upper[3]) const {
-          triangles.bound(primitive,lower,upper);
+          triangles.bounds(primitive,lower,upper);
         }
       };
 

@@ -79,7 +79,7 @@ namespace embree
             {
               size_t at = firsts[k];
               for (size_t i=begin+64*k; i<min(begin+64*(k+1),blocks.size()); i++) {
-                boundsDecoder->bound(blocks[i].leaf,blocks[i].segments,found->data()+at);
+                boundsDecoder->decode(blocks[i].leaf,blocks[i].segments,found->data()+at);
                 at += blocks[i].segments+1;
               }
               progress();
@@ -103,17 +103,17 @@ namespace embree
 
       public:
         /*! boxes: output, one per step. */
-        void bound (BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes)
+        void decode (BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes)
         {
           size_t type;
           const void* const block = leaf.leaf(type);
           const float* origin;
           if (type == cbvh::MOVING_MESH_BLOCK) {
-            boundMesh((const cbvh::MeshHeader*)block,segments,boxes);
+            decodeMesh((const cbvh::MeshHeader*)block,segments,boxes);
             origin = ((const cbvh::MeshHeader*)block)->origin;
           }
           else {
-            boundGrid((const cbvh::VertHeader*)block,segments,boxes);
+            decodeGrid((const cbvh::VertHeader*)block,segments,boxes);
             origin = ((const cbvh::VertHeader*)block)->origin;
           }
           // the block is damaged; MotionTree requires a box
@@ -122,7 +122,7 @@ namespace embree
         }
 
       private:
-        static void boundMesh (const cbvh::MeshHeader* block, unsigned segments, cbvh::StepBox* boxes)
+        static void decodeMesh (const cbvh::MeshHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s++)
           {
@@ -138,7 +138,7 @@ namespace embree
         }
 
         /*! Decodes the two steps of every second segment, as traversal does. */
-        void boundGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
+        void decodeGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
           {

@@ -111,18 +111,18 @@ namespace embree
       const std::string prefix = "invalid value \"" + value + "\" of " + key.name + ": ";
       if (value.empty()) return prefix + "expected " + key.name + "=<value>";
       if (key.value == Value::Number) return isNumber(value) ? "" : prefix + "expected a number";
-      const std::vector<std::string> words = acceptedValues(key.value);
-      if (words.empty()) return "";
+      const std::vector<std::string> accepted = acceptedValues(key.value);
+      if (accepted.empty()) return "";
       for (char& c : value)
         if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // Embree ignores case, too
       for (size_t at = 0; at <= value.size(); ) {
         const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
-        const std::string word = value.substr(at,end-at);
+        const std::string item = value.substr(at,end-at);
         at = end+1;
-        if (std::find(words.begin(),words.end(),word) != words.end()) continue;
+        if (std::find(accepted.begin(),accepted.end(),item) != accepted.end()) continue;
         std::string all;
-        for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-        return prefix + "did you mean " + nearestWord(word,words) + "? Expected one of " + all;
+        for (const std::string& a : accepted) all += (all.empty() ? "" : ", ") + a;
+        return prefix + "did you mean " + nearestName(item,accepted) + "? Expected one of " + all;
       }
       return "";
     }
@@ -130,22 +130,22 @@ namespace embree
     thread_local std::string lastError;
   }
 
-  std::string nearestWord (const std::string& word, const std::vector<std::string>& words)
+  std::string nearestName (const std::string& name, const std::vector<std::string>& names)
   {
-    for (const std::string& w : words)
-      if (!word.empty() && w.compare(0,word.size(),word) == 0) return w;
-    return *std::min_element(words.begin(),words.end(),[&](const std::string& a, const std::string& b) {
-        return editDistance(word,a) < editDistance(word,b);
+    for (const std::string& candidate : names)
+      if (!name.empty() && candidate.compare(0,name.size(),name) == 0) return candidate;
+    return *std::min_element(names.begin(),names.end(),[&](const std::string& a, const std::string& b) {
+        return editDistance(name,a) < editDistance(name,b);
       });
   }
 
   bool isDeviceKey (const std::string& key) { return find(key) != nullptr; }
 
-  std::string nearestDeviceKey (const std::string& word)
+  std::string nearestDeviceKey (const std::string& name)
   {
     std::vector<std::string> names;
     for (const Key& key : keys) names.push_back(key.name);
-    return nearestWord(word,names);
+    return nearestName(name,names);
   }
 
   std::string findDeviceStringError (const char* deviceString)

@@ -14,11 +14,11 @@ namespace embree
   /*! True for Embree's keys and the cbvh keys. */
   bool isDeviceKey (const std::string& key);
 
-  /*! Returns the known key that is most similar to `word`, for messages. */
-  std::string nearestDeviceKey (const std::string& word);
+  /*! Returns the known key that is most similar to `name`, for messages. */
+  std::string nearestDeviceKey (const std::string& name);
 
-  /*! Returns the first word that begins with `word`, otherwise the most similar one. */
-  std::string nearestWord (const std::string& word, const std::vector<std::string>& words);
+  /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. */
+  std::string nearestName (const std::string& name, const std::vector<std::string>& names);
 
   /*! Checks all keys, and values whose errors Embree ignores. Returns a message with the first invalid key or value and
    *  what is accepted, or an empty string. */

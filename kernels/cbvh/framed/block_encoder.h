@@ -45,7 +45,7 @@ namespace embree
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
         memcpy(block->center,geometry.frame.center,sizeof(block->center));
         memcpy(block->columns,geometry.frame.columns,sizeof(block->columns));
-        geometry.bound();
+        geometry.computeBounds();
         statistics.affine = !geometry.frame.projective;
         statistics.invalidQuads += geometry.invalidQuads;
         switch (kind) {

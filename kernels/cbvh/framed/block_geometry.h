@@ -34,11 +34,11 @@ namespace embree
       Frame frame;
       InverseFrame inverse;
       float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
-      double coordinate = 0;      //!< largest absolute one of these vertices; set by bound()
+      double coordinate = 0;      //!< largest absolute one of these vertices; set by computeBounds()
       double rounding[4];         //!< per axis: largest distance between two faces' evaluations of a vertex
-      ExactBox* boxes;            //!< of all quadtree levels down to cells; set by bound()
+      ExactBox* boxes;            //!< of all quadtree levels down to cells; set by computeBounds()
       double (*local)[4];         //!< vertices of cells in the frame, row by row; set by fit()
-      uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite; set by bound()
+      uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite; set by computeBounds()
 
       /*! Bytes of scratch memory for blocks of this height, of any kind. */
       static size_t scratchBytes(uint32_t height) {
@@ -106,7 +106,7 @@ namespace embree
       }
 
       /*! Sets `boxes`, `inverse`, `rounding` and `invalidQuads`. Requires fit(). */
-      void bound()
+      void computeBounds()
       {
         inverse = InverseFrame(frameMap(frame.columns));
         boundRounding();
@@ -206,7 +206,7 @@ namespace embree
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
-        if (cbvh::boundVertices(vertices,all,lower,upper)) return all;
+        if (cbvh::boundsOfVertices(vertices,all,lower,upper)) return all;
         Float4 low = maxCoordinate, high = -maxCoordinate;
         size_t count = 0;
         for (size_t i=0; i<all; i++) {

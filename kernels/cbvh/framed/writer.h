@@ -58,7 +58,7 @@ namespace embree
         evaluate(patch,tiling);
         /* holes: quads with vertices that are not finite, which nodes and most kinds of leaves cannot leave out */
         float lower[3], upper[3];
-        const bool hasHoles = !patchVertices->bound(lower,upper);
+        const bool hasHoles = !patchVertices->bounds(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
         const uint32_t sharpSides = patch.sharpSides();
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
@@ -217,7 +217,7 @@ namespace embree
         cbvh::BlockStatistics blockStatistics;
         blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need no test
         encoder.encode(block,tiled.x,tiled.y,blockStatistics,tiled.sharpSides);
-        block->surface = patch.surface;
+        block->surface = patch.surfaceNumber;
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(tiled.tiling.x-1,tiled.tiling.y-1,patch.corner[0],patch.corner[1]);
         addBlock(patchStatistics,tiled,blockStatistics);

@@ -83,7 +83,7 @@ namespace embree
         if (!topology.participates(f)) return false;
         if (!mesh->valid(f,step)) { invalidateCached(f,step); return false; }
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,step);
+            const SubdivPatch1Base base = patch.make(mesh,plan.surfaceNumber,f,step);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             choice.addPatch(quads);
             float local[maxLocalVertices][3];

@@ -17,11 +17,11 @@ namespace embree
     {
     public:
       /*! borders: null if the plan shares no borders; side() and latticeExponent() must then not be called. */
-      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
-                 PatchEvaluator& evaluator)
-        : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))
+      CagePatch (SubdivMesh* mesh, uint32_t surfaceNumber, size_t face, const PatchOfFace& patch,
+                 const CageBorders* borders, PatchEvaluator& evaluator)
+        : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surfaceNumber,face))
       {
-        this->surface = surface;
+        this->surfaceNumber = surfaceNumber;
         primID = unsigned(face);
         corner[0] = unsigned(2*base.getUV(0).x);
         corner[1] = unsigned(2*base.getUV(0).y);
@@ -39,7 +39,7 @@ namespace embree
       {
         if (!mesh->valid(primID,step)) evaluator.setInvalid(part);
         else if (step == 0) evaluator.evalPart(base,mesh,quadsX,quadsY,part);
-        else evaluator.evalPart(patch.make(mesh,surface,primID,step),mesh,quadsX,quadsY,part);
+        else evaluator.evalPart(patch.make(mesh,surfaceNumber,primID,step),mesh,quadsX,quadsY,part);
         return evaluator;
       }
 

@@ -25,10 +25,10 @@ namespace embree
         cbvh::QuadNumbers numbers;
       };
 
-      GridPatch (const Borders& borders, uint32_t surface, size_t grid, Scratch& scratch)
+      GridPatch (const Borders& borders, uint32_t surfaceNumber, size_t grid, Scratch& scratch)
         : borders(borders), grid(borders[grid]), scratch(scratch)
       {
-        this->surface = surface;
+        this->surfaceNumber = surfaceNumber;
         primID = unsigned(grid);
         corner[0] = corner[1] = 0;
         for (int d=0; d<2; d++) quads[d] = this->grid.quads(d);
@@ -38,7 +38,7 @@ namespace embree
       }
 
       GridPatch (const GridPatch& other, Scratch& scratch)
-        : GridPatch(other.borders,other.surface,other.primID,scratch) {}
+        : GridPatch(other.borders,other.surfaceNumber,other.primID,scratch) {}
 
       PatchVertices& evaluate (unsigned, unsigned, const PatchPart& part, unsigned step)
       {

@@ -211,7 +211,7 @@ namespace embree
       }
 
       /*! Bounds of a primitive's vertices at the first step, before they are snapped. */
-      void bound (uint32_t primitive, float lower[3], float upper[3]) const
+      void bounds (uint32_t primitive, float lower[3], float upper[3]) const
       {
         const float* p[6];
         for (uint32_t i=0; i<mesh.trianglesPerPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
@@ -307,7 +307,7 @@ namespace embree
           if (!isValid || !canBeHit) continue;
           cbvh::MeshCenter& center = centers[begin+out.count++];
           float lower[3], upper[3];
-          bound(primitive,lower,upper);
+          bounds(primitive,lower,upper);
           for (int k=0; k<3; k++) center.at[k] = 0.5f*(lower[k]+upper[k]);
           center.index = primitive;
         }

@@ -50,7 +50,7 @@ namespace embree
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
       /*! Bounds of the displaced vertices. Returns false if one is not finite. */
-      bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
+      bool bounds (float lower[3], float upper[3]) { return cbvh::boundsOfVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices
 

@@ -73,8 +73,9 @@ namespace embree
       int subPatch;            //!< corner of the face; 0 for four-cornered faces
       float rate[4];           //!< of the edges v = 0, u = 1, v = 1, u = 0
 
-      SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
-        return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
+      SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surfaceNumber, size_t face, unsigned timeStep = 0) const {
+        return SubdivPatch1Base(surfaceNumber,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,
+                                VSIZEX);
       }
     };
 

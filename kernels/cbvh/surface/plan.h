@@ -15,14 +15,14 @@ namespace embree
   {
     struct CompressionPlan
     {
-      uint32_t surface;              //!< see surface_ids.h
+      uint32_t surfaceNumber;        //!< see surface_ids.h
       unsigned numTimeSteps;
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
 
       /*! number: surface number. */
       CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
-        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
+        : surfaceNumber(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
           numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
           settings(geometry->compression.resolve(geometry->device->compression))
       {

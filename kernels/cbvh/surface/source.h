@@ -88,7 +88,7 @@ namespace embree
 
     struct SurfacePatch
     {
-      uint32_t surface;     //!< see surface_ids.h
+      uint32_t surfaceNumber; //!< see surface_ids.h
       unsigned primID;
       unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: higher rates of opposite edges

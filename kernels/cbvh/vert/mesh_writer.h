@@ -20,9 +20,9 @@ namespace embree
     public:
       static const uint32_t groupTriangles = 16; //!< triangles of a full group
 
-      MeshWriter (const IrregularTriangles& source, uint32_t surface, BlockStore& store,
+      MeshWriter (const IrregularTriangles& source, uint32_t surfaceNumber, BlockStore& store,
         cbvh::BuildStatistics& statistics)
-        : source(source), surface(surface), store(store), statistics(statistics) {}
+        : source(source), surfaceNumber(surfaceNumber), store(store), statistics(statistics) {}
 
       /*! Primitives of a full group. A primitive is a triangle or a quad. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) {
@@ -47,7 +47,7 @@ namespace embree
         statistics.addDeviation(squaredDeviation);
         if (n == 0) return;
         cbvh::MeshStatistics meshStatistics;
-        encoder.encodeCluster(triangles,stored,source.mesh.areHalvesOfQuads(),surface,block,meshStatistics,
+        encoder.encodeCluster(triangles,stored,source.mesh.areHalvesOfQuads(),surfaceNumber,block,meshStatistics,
           [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,triangles+first,stored); });
       }
 
@@ -101,7 +101,7 @@ namespace embree
       }
 
       const IrregularTriangles& source;
-      const uint32_t surface;
+      const uint32_t surfaceNumber;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;

@@ -39,8 +39,8 @@ namespace embree
           }
         });
         if (n == 0) return;
-        const cbvh::MovingCluster movingCluster = { triangles,ids,stored,source.mesh.areHalvesOfQuads(),plan.surface,
-          plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
+        const cbvh::MovingCluster movingCluster = { triangles,ids,stored,source.mesh.areHalvesOfQuads(),
+          plan.surfaceNumber,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
         cbvh::MeshStatistics meshStatistics;
         encoder.encodeCluster(movingCluster,(uint8_t*)words.data(),meshStatistics,
           [&](uint32_t step, uint32_t id, float out[3]) {

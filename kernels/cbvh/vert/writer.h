@@ -120,10 +120,10 @@ namespace embree
 
       void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
-        const cbvh::VertPlacement at = choosePlacement(patch,x,y,w,h);
+        const cbvh::VertPlacement placement = choosePlacement(patch,x,y,w,h);
         cbvh::VertStatistics block;
         uint8_t* const bytes = store.reserve(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
-        const size_t size = encoder.encode(at,bytes,block);
+        const size_t size = encoder.encode(placement,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
@@ -139,12 +139,12 @@ namespace embree
                              const Copy& copy)
       {
         if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
-        const cbvh::VertPlacement at = choosePlacement(patch,x,y,w,h);
+        const cbvh::VertPlacement placement = choosePlacement(patch,x,y,w,h);
         uint8_t* const bytes =
           store.reserve(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
         const size_t firstBox = store.boxes.size();
-        movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
+        movingEncoder->begin(placement,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
         for (unsigned step=0; step<plan.numTimeSteps; step++) {
           copy(step,movingEncoder->vertices());
           movingEncoder->addStep();
@@ -185,7 +185,7 @@ namespace embree
       void commitBlock (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size,
                         const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
       {
-        header->surface = patch.surface;
+        header->surface = patch.surfaceNumber;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
         addBlock(header,size,block);

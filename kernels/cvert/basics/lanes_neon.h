@@ -100,12 +100,12 @@ namespace cvert { inline namespace CVERT_ISA
   inline Float4 toFloat(Int4 a) { return vcvtq_f32_s32(a.v); }
 
   /* NEON's conversion would saturate instead of returning INT32_MIN. */
-  inline Int4 truncated(Float4 a) {
+  inline Int4 truncateToInt(Float4 a) {
     return vbslq_s32(vcltq_f32(vabsq_f32(a.v),vdupq_n_f32(2147483648.0f)),vcvtq_s32_f32(a.v),vdupq_n_s32(INT32_MIN));
   }
 
-  inline Int4 rounded(Float4 a) { return vcvtnq_s32_f32(a.v); }
-  inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? vcvtns_s32_f32(a) : INT32_MIN; }
+  inline Int4 roundToInt(Float4 a) { return vcvtnq_s32_f32(a.v); }
+  inline int roundToInt(float a) { return std::fabs(a) < 2147483648.0f ? vcvtns_s32_f32(a) : INT32_MIN; }
 
   inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {

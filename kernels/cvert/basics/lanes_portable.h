@@ -109,13 +109,13 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 square(Int4 a) { return a*a; }
   inline Float4 toFloat(Int4 a) { return Float4::of([&](int i) { return float(int32_t(a.v[i])); }); }
 
-  inline Int4 truncated(Float4 a) {
+  inline Int4 truncateToInt(Float4 a) {
     return Int4::of([&](int i) { return std::fabs(a.v[i]) < 2147483648.0f ? int32_t(a.v[i]) : INT32_MIN; });
   }
 
   /* std::nearbyint rounds to nearest, halves to even, if the program keeps the default rounding mode. */
-  inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
-  inline Int4 rounded(Float4 a) { return Int4::of([&](int i) { return rounded(a.v[i]); }); }
+  inline int roundToInt(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
+  inline Int4 roundToInt(Float4 a) { return Int4::of([&](int i) { return roundToInt(a.v[i]); }); }
 
   inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {

@@ -111,11 +111,11 @@ namespace cvert { inline namespace CVERT_ISA
   inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
 
   /*! Rounds towards zero. Returns INT32_MIN for NaN and numbers out of range. */
-  inline Int4 truncated(Float4 a) { return _mm_cvttps_epi32(a.v); }
+  inline Int4 truncateToInt(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
   /*! Rounds to nearest, halves to even. Magnitudes must be less than 2^31. */
-  inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
-  inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
+  inline Int4 roundToInt(Float4 a) { return _mm_cvtps_epi32(a.v); }
+  inline int roundToInt(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
   /*! Splits four vertices by axis. a, b, c: x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
   inline void deinterleave(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)

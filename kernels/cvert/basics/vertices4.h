@@ -37,7 +37,7 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Computes bounds. Returns false if a vertex is not finite (isFinite); bounds are then undefined. */
-  inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
+  inline bool boundsOfVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
   {
     Float4 low = maxCoordinate, high = -maxCoordinate;
     uint32_t finiteAxes = 7;

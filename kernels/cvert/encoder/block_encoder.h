@@ -46,13 +46,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! block: receives the block, at least maxBytes. Adds to `statistics`. Returns the size in bytes, a multiple of 4,
      *  or 0 if no vertex is finite. The caller sets VertHeader::surface and primID. */
-    size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
+    size_t encode (const VertPlacement& placement, uint8_t* block, VertStatistics& statistics)
     {
-      setSize(at.region);
-      bound();
+      setSize(placement.region);
+      computeBounds();
       if (!allFinite) statistics.invalidQuads += countInvalidQuads();
       if (!anyFinite()) return 0;
-      const bool packed = allFinite && chooseSpacings() && pack(at,at.info(),block,[](int, const CellEncoder&) {});
+      const bool packed = allFinite && chooseSpacings()
+        && pack(placement,placement.info(),block,[](int, const CellEncoder&) {});
       if (packed) {
         VertHeader& header = *(VertHeader*)block;
         boxes.begin(*this);
@@ -63,7 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
         header.info |= shift << 25;
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
       }
-      else packRaw(at,at.info(),block);
+      else packRaw(placement,placement.info(),block);
       statistics.raw = !packed;
       padTo4(block);
       return size_t(end-block);
@@ -74,12 +75,12 @@ namespace cvert { inline namespace CVERT_ISA
      *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell, and again for all cells if it starts over
      *  with coarser spacings. */
     template<typename OnCell>
-    bool pack (const VertPlacement& at, uint32_t info, uint8_t* block, const OnCell& onCell)
+    bool pack (const VertPlacement& placement, uint32_t info, uint8_t* block, const OnCell& onCell)
     {
       for (bool isBalanced=false; ; )
       {
         computeCoordinates();
-        VertHeader& header = begin(at,info | uint32_t(hasRemainders()) << 24,block);
+        VertHeader& header = begin(placement,info | uint32_t(hasRemainders()) << 24,block);
         if (!packCells(header,block,onCell)) {
           if (!coarsen(cell.excess)) return false;
           continue;
@@ -106,9 +107,9 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Appends zeros up to a multiple of 4 bytes. */
     void padTo4 (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
 
-    void packRaw (const VertPlacement& at, uint32_t info, uint8_t* block)
+    void packRaw (const VertPlacement& placement, uint32_t info, uint8_t* block)
     {
-      VertHeader& header = begin(at,info | rawInfo,block);
+      VertHeader& header = begin(placement,info | rawInfo,block);
       copyTo((float(*)[3])(block+layout.vertices));
       float* boxes = (float*)(block+layout.boxes);
       for (int k=0; k<3; k++)
@@ -149,17 +150,17 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Clears the sections before the first cell's fields, and writes the parts of the header that do not depend on
      *  vertices. */
-    VertHeader& begin (const VertPlacement& at, uint32_t info, uint8_t* block)
+    VertHeader& begin (const VertPlacement& placement, uint32_t info, uint8_t* block)
     {
-      layout = vertLayout(at.region,info);
+      layout = vertLayout(placement.region,info);
       memset(block,0,layout.cell);
       VertHeader& header = *(VertHeader*)block;
-      header.region = at.region;
-      header.patchQuads = at.patchQuads;
+      header.region = placement.region;
+      header.patchQuads = placement.patchQuads;
       header.info = info;
       writeVersion(header.corners);
-      if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
-      if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));
+      if (placement.hasEdges) memcpy(&header+1,&placement.edges,sizeof(placement.edges));
+      if (placement.hasNumbers) memcpy(&header+1,&placement.numbers,sizeof(placement.numbers));
       return header;
     }
 

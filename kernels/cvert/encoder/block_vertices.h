@@ -4,7 +4,7 @@
 #pragma once
 
 /* Vertices of a cVERT block at a time step, converted to coordinates and remainders of format/block.h. Encoders call
- * bound(), chooseSpacings() and computeCoordinates(), in this order.
+ * computeBounds(), chooseSpacings() and computeCoordinates(), in this order.
  *
  * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices. If the block's
  * spacing, also a power of two, is larger than the step, vertices have remainders. */
@@ -43,9 +43,9 @@ namespace cvert { inline namespace CVERT_ISA
     bool anyFinite () const { return lower[0] <= upper[0]; }
 
     /*! Sets bounds and allFinite. */
-    void bound ()
+    void computeBounds ()
     {
-      allFinite = boundVertices(vertices,numVertices(),lower,upper);
+      allFinite = boundsOfVertices(vertices,numVertices(),lower,upper);
       if (allFinite) return;
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
       for (uint32_t i=0; i<numVertices(); i++)
@@ -104,9 +104,9 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<numVertices(); i+=4)
       {
         const Vertices4 p(vertices+i);
-        truncated((p.x-Float4(origin[0]))*units[0]).store(coordinates[0]+i);
-        truncated((p.y-Float4(origin[1]))*units[1]).store(coordinates[1]+i);
-        truncated((p.z-Float4(origin[2]))*units[2]).store(coordinates[2]+i);
+        truncateToInt((p.x-Float4(origin[0]))*units[0]).store(coordinates[0]+i);
+        truncateToInt((p.y-Float4(origin[1]))*units[1]).store(coordinates[1]+i);
+        truncateToInt((p.z-Float4(origin[2]))*units[2]).store(coordinates[2]+i);
       }
       for (int k=0; k<3; k++)
         if (remainderBits[k] != 0) computeWithRemainders(k);
@@ -190,14 +190,14 @@ namespace cvert { inline namespace CVERT_ISA
                                 minSpacingExponent);
         scale[k] = std::ldexp(1.0f,-exponents[k]);
         unit[k] = std::ldexp(1.0f,exponents[k]);
-        first[k] = truncated(Float4(vertices[0][k])*scale[k]);
+        first[k] = truncateToInt(Float4(vertices[0][k])*scale[k]);
       }
       uint32_t integral[3] = { 15,15,15 };
       for (uint32_t i=0; i<numVertices(); i+=4)
       {
         const Vertices4 p(vertices+i);
         auto add = [&](int k, Float4 x) {
-          const Int4 n = truncated(x*scale[k]); // 0 if the product underflows
+          const Int4 n = truncateToInt(x*scale[k]); // 0 if the product underflows
           integral[k] &= equalBits(toFloat(n)*unit[k],x);
           any[k] = any[k] | (n-first[k]);
         };

@@ -74,11 +74,11 @@ namespace cvert { inline namespace CVERT_ISA
     float snap (float x) const
     {
       if (!(std::fabs(x) < limit)) return x;
-      return float(rounded(x*reciprocal))*spacing;
+      return float(roundToInt(x*reciprocal))*spacing;
     }
     Float4 snap (Float4 x) const
     {
-      const Float4 snapped = toFloat(rounded(x*reciprocal))*spacing;
+      const Float4 snapped = toFloat(roundToInt(x*reciprocal))*spacing;
       return select(lessThan(abs(x),limit),snapped,x);
     }
   };

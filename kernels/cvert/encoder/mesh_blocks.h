@@ -56,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
       report.finerVertices = lattice.numExceptions();
       MeshClusters clusters(settings.groupTriangles);
       clusters.split(centers.data(),centers.size(),
-        [&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
+        [&](uint32_t index, float lower[3], float upper[3]) { bounds(mesh,index,lower,upper); },
         [&](const MeshCenter* cluster, const MeshGroups& groups) {
           encodeCluster(mesh,cluster,groups,report.statistics,onBlock);
         });
@@ -78,11 +78,11 @@ namespace cvert { inline namespace CVERT_ISA
         lattice.refine(a,b,c);
       }
       float lower[3], upper[3];
-      bound(mesh,i,lower,upper);
+      bounds(mesh,i,lower,upper);
       centers.push_back({ { 0.5f*(lower[0]+upper[0]),0.5f*(lower[1]+upper[1]),0.5f*(lower[2]+upper[2]) },uint32_t(i) });
     }
 
-    static void bound (const MeshSource& mesh, size_t i, float lower[3], float upper[3])
+    static void bounds (const MeshSource& mesh, size_t i, float lower[3], float upper[3])
     {
       const uint32_t* const t = mesh.triangles[i];
       const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];

@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       stored = numTriangles;
       for (int k=0; k<3; k++) chooseCoordinates(k);
       chooseShear();
-      bound();
+      computeBounds();
       return write(surface,block,statistics);
     }
 
@@ -329,7 +329,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Computes the boxes of groups in units of 2^shift. */
-    void bound ()
+    void computeBounds ()
     {
       for (int k=0; k<3; k++)
       {

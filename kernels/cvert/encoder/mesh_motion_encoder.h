@@ -88,7 +88,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memset(&step,0,sizeof(step));
       fit.fit(vertices,step.map);
       for (int k=0; k<3; k++) chooseStepCoordinates(k,step);
-      bound();
+      computeBounds();
       std::memcpy(step.origin,origin,sizeof(origin));
       uint32_t baseBits[3];
       for (int k=0; k<3; k++)

@@ -34,23 +34,23 @@ namespace cvert { inline namespace CVERT_ISA
     float (*vertices ())[3] { return current().vertices; }
 
     /*! begin, end: times of the first and last step. out: for the block, at least maxBytes(numSteps). */
-    void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
+    void begin (const VertPlacement& placement, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
-      this->at = at;
+      this->placement = placement;
       motion = { begin,end,numSteps,0 };
       block = out;
       step = 0;
       isEmpty = true;
       statistics = MotionStatistics();
-      invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
+      invalid.assign(size_t(vertQuadsX(placement.region))*vertQuadsY(placement.region),false);
     }
 
     /*! Adds the step in vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
-      now.setSize(at.region);
-      now.bound();
+      now.setSize(placement.region);
+      now.computeBounds();
       isEmpty &= !now.anyFinite();
       if (!now.allFinite) markInvalid(now);
       if (step == 0) packFirst(); else packStep(now);
@@ -89,13 +89,13 @@ namespace cvert { inline namespace CVERT_ISA
 
     void packFirst ()
     {
-      const uint32_t info = at.info() | 1u << 31;
+      const uint32_t info = placement.info() | 1u << 31;
       const bool packed = allFinite && chooseSpacings()
-        && pack(at,info,block,[&](int g, const CellEncoder& cell) {
+        && pack(placement,info,block,[&](int g, const CellEncoder& cell) {
              memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals));
            });
       if (packed) statistics.fieldBytes = uint32_t(end - (block+layout.cell));
-      else packRaw(at,info,block);
+      else packRaw(placement,info,block);
       VertHeader& header = *(VertHeader*)block;
       statistics.raw = wasRaw = isFirstRaw = !packed;
       padTo4(block);
@@ -115,7 +115,7 @@ namespace cvert { inline namespace CVERT_ISA
       VertStep& header = *(VertStep*)end;
       bool packed = now.allFinite && now.chooseSpacings() && packCellsOfStep(now,header);
       if (packed) appendRemainders(now,(uint8_t*)&header,vertStepBytes);
-      const size_t rawBytes = vertStepLayout(at.region,rawInfo).rawBytes;
+      const size_t rawBytes = vertStepLayout(placement.region,rawInfo).rawBytes;
       packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
       if (!packed) {
         memset(&header,0,vertStepBytes);
@@ -138,7 +138,7 @@ namespace cvert { inline namespace CVERT_ISA
         header.rotation |= shift << 19;
       }
       wasRaw = !packed;
-      marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.info).margins;
+      marginsOfSegment = (uint8_t*)&header + vertStepLayout(placement.region,header.info).margins;
       infoOfSegment = &header.info;
       boundsOfSegment = &header.bounds;
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
@@ -180,7 +180,7 @@ namespace cvert { inline namespace CVERT_ISA
         | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
       header.word = words[firstCell];
       now.write(header.origin,header.corners,header.word);
-      const VertStepLayout to = vertStepLayout(at.region,header.info);
+      const VertStepLayout to = vertStepLayout(placement.region,header.info);
       uint8_t* const data = (uint8_t*)&header;
       memset(data+to.margins,0,to.words-to.margins);
       for (uint32_t g=0; g<groups; g++) {
@@ -242,7 +242,7 @@ namespace cvert { inline namespace CVERT_ISA
     //! encodeCell does not try the step's own residuals if rotated ones need at most this many bits per field
     static const int maxUntriedBits = 6;
 
-    VertPlacement at = VertPlacement(0,0);
+    VertPlacement placement = VertPlacement(0,0);
     VertMotion motion;
     uint8_t* block;
     uint32_t step;
