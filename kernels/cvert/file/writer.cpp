@@ -108,10 +108,12 @@ namespace cvert
     if (::fstat(descriptor,&status) != 0 || !S_ISREG(status.st_mode)) reject("is not a regular file");
     FileHeader header = FileHeader();
     const FileHeader blank = FileHeader();
-    if (::pread(descriptor,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&blank,sizeof(blank)) == 0)
+    const bool isShort = ::pread(descriptor,&header,sizeof(header),0) != ssize_t(sizeof(header));
+    const bool isBlank = memcmp(&header,&blank,sizeof(blank)) == 0;
+    if (isShort || isBlank)
     {
       // nothing was saved; a short file may be of another kind
-      if (memcmp(&header,&blank,sizeof(blank)) != 0) reject("is not a file of compressed surfaces");
+      if (!isBlank) reject("is not a file of compressed surfaces");
       if (::ftruncate(descriptor,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
     }
