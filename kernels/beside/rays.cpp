@@ -14,23 +14,22 @@ namespace {
 static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
   "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-/* The kernels pass `context` to filter(). */
-struct Query
+struct QueryContext
 {
-  RTCIntersectContext context;
+  RTCIntersectContext rtcContext; // first: filter() casts its address
   const CbvhQuery* query;
 
-  Query(const CbvhQuery* query) : query(query)
+  QueryContext(const CbvhQuery* query) : query(query)
   {
-    rtcInitIntersectContext(&context);
+    rtcInitIntersectContext(&rtcContext);
     if (!query) return;
-    if (query->flags & CBVH_QUERY_COHERENT) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    if (query->filter) context.filter = filter;
+    if (query->flags & CBVH_QUERY_COHERENT) rtcContext.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (query->filter) rtcContext.filter = filter;
   }
 
   static void filter(const RTCFilterFunctionNArguments* args)
   {
-    const CbvhQuery& query = *((const Query*)args->context)->query;
+    const CbvhQuery& query = *((const QueryContext*)args->context)->query;
     const CbvhFilterArguments cbvhArgs = {args->valid, query.filterPtr, args->ray, args->hit, args->N};
     query.filter(&cbvhArgs);
   }
@@ -76,10 +75,10 @@ template<> struct PacketKernels<16>
 };
 
 template<unsigned int K>
-struct AllRays
+struct AllValid
 {
   alignas(64) int valid[K];
-  AllRays() { for (int& v : valid) v = -1; }
+  AllValid() { for (int& v : valid) v = -1; }
 };
 
 /* Returns a mask of the rays with a hit. valid: NULL if all rays are valid. */
@@ -91,14 +90,14 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
   typename PacketKernels<K>::RayHits& packet = *(typename PacketKernels<K>::RayHits*)rays;
-  static const AllRays<K> all;
+  static const AllValid<K> all;
   if (!valid) valid = all.valid;
   unsigned int geomIDs[K], instIDs[K];
   std::memcpy(geomIDs, packet.hit.geomID, sizeof(geomIDs));
   std::memcpy(instIDs, packet.hit.instID[0], sizeof(instIDs));
   std::memset(packet.hit.geomID, 0xFF, sizeof(geomIDs));
-  Query embreeQuery(query);
-  PacketKernels<K>::intersect(valid, group->scene, &embreeQuery.context, &packet);
+  QueryContext context(query);
+  PacketKernels<K>::intersect(valid, group->scene, &context.rtcContext, &packet);
   std::memcpy(packet.hit.instID[0], instIDs, sizeof(instIDs));
   unsigned int hits = 0;
   for (unsigned int i = 0; i < K; i++) {
@@ -108,7 +107,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   return hits;
 }
 
-/* Returns a mask of the rays that are occluded, without those whose tfar was negative before the call. */
+/* Returns a mask of the occluded rays, except rays whose tfar was negative before the call. */
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
@@ -117,14 +116,14 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
   typename PacketKernels<K>::Rays& packet = *(typename PacketKernels<K>::Rays*)rays;
-  static const AllRays<K> all;
+  static const AllValid<K> all;
   if (!valid) valid = all.valid;
-  unsigned int ended = 0, hits = 0;
-  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) ended |= 1u << i;
-  Query embreeQuery(query);
-  PacketKernels<K>::occluded(valid, group->scene, &embreeQuery.context, &packet);
+  unsigned int inactive = 0, hits = 0;
+  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) inactive |= 1u << i;
+  QueryContext context(query);
+  PacketKernels<K>::occluded(valid, group->scene, &context.rtcContext, &packet);
   for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) hits |= 1u << i;
-  return hits & ~ended;
+  return hits & ~inactive;
 }
 
 } // namespace
@@ -138,8 +137,8 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
   const unsigned int geomID = rayHit->hit.geomID, instID = rayHit->hit.instID[0];
   rayHit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  Query context(query);
-  rtcIntersect1(group->scene, &context.context, rayHit);
+  QueryContext context(query);
+  rtcIntersect1(group->scene, &context.rtcContext, rayHit);
   rayHit->hit.instID[0] = instID;
   if (rayHit->hit.geomID != RTC_INVALID_GEOMETRY_ID) return 1;
   rayHit->hit.geomID = geomID;
@@ -153,8 +152,8 @@ int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
   if (ray->tfar < 0) return 0;
-  Query context(query);
-  rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);
+  QueryContext context(query);
+  rtcOccluded1(group->scene, &context.rtcContext, (RTCRay*)ray);
   return ray->tfar < 0;
 }
 

@@ -42,7 +42,7 @@ inline DicingCamera cameraOf(const CbvhDicing& dicing)
   return camera;
 }
 
-inline CbvhTriangle asPublic(const cbvh::StoredTriangle& triangle)
+inline CbvhTriangle toPublic(const cbvh::StoredTriangle& triangle)
 {
   CbvhTriangle to;
   static_assert(sizeof(to) == sizeof(triangle), "CbvhTriangle must have the layout of StoredTriangle");
@@ -50,7 +50,7 @@ inline CbvhTriangle asPublic(const cbvh::StoredTriangle& triangle)
   return to;
 }
 
-inline CbvhPart asPublic(const cbvh::StoredPart& part)
+inline CbvhPart toPublic(const cbvh::StoredPart& part)
 {
   return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
 }

@@ -549,7 +549,7 @@ int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float 
   onSurface(surface, [&] {
     embree::cbvh::StoredTriangle stored;
     isFound = core::findTriangle(surface->committedInput()->embreeGeometry(), time, primID, u, v, Ng, stored);
-    if (isFound) *triangle = asPublic(stored);
+    if (isFound) *triangle = toPublic(stored);
   });
   return isFound;
 }
@@ -561,7 +561,7 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     const std::shared_ptr<const Input> input = surface->committedInput();
     core::forEachPart(input->embreeGeometry(), time, [&](const embree::cbvh::StoredPart& part) {
       const ErrorScope errors(false);
-      const CbvhPart publicPart = asPublic(part);
+      const CbvhPart publicPart = toPublic(part);
       return function(userPtr, &publicPart) != 0;
     });
   });
@@ -580,7 +580,7 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
           [&](const embree::cbvh::StoredCluster& cluster) {
         if (!function) return true;
         const ErrorScope errors(false);
-        const CbvhPart part = asPublic(*cluster.part);
+        const CbvhPart part = toPublic(*cluster.part);
         const CbvhCluster publicCluster = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
         return function(userPtr, &publicCluster) != 0;
       }, sums);

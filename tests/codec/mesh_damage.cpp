@@ -197,8 +197,8 @@ TEST(MeshDamage, RandomBytesAreRejectedOrDecoded)
     header.motion = 0;
     header.bytes = uint32_t(4*words.size());
     // one group
-    header.counts = meshMarkOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24;
-    header.info = meshMarkOfInfo() | (random.bits() & 0x0FFF);
+    header.counts = meshTagOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24;
+    header.info = meshTagOfInfo() | (random.bits() & 0x0FFF);
     header.groups[0] = (header.counts >> 16 & 31) | (random.chance(0.7) ? 0 : 32);
     header.groups[1] = header.groups[2] = header.groups[3] = 0;
     const uint32_t vertices = meshVertices(header.counts), record = vertices | vertices << 5

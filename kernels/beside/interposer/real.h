@@ -9,8 +9,8 @@
 
 namespace interposer {
 
-/* Returns Embree's function: the next one after this library in the dynamic linker's search order, or that of an Embree
- * that the program loaded with RTLD_LOCAL, which then stays loaded. Aborts the program if there is none. */
+/* Returns Embree's function: the next one after this library in the dynamic linker's search order, or else from an
+ * Embree loaded with RTLD_LOCAL, which then stays loaded. Aborts the program if there is none. */
 void* findReal(const char* name);
 
 /* True if the program uses Embree 4, and the environment does not disable this library. Otherwise calls are forwarded
@@ -19,7 +19,7 @@ bool isActive();
 
 } // namespace interposer
 
-/* Example: REAL(rtcNewScene)(device) calls Embree's rtcNewScene. Looks up each function once per use. */
+/* Example: REAL(rtcNewScene)(device) calls Embree's rtcNewScene. Looks up the function once per call site. */
 #define REAL(name) \
   ([]() -> decltype(&::name) { \
     static const auto function = (decltype(&::name))interposer::findReal(#name); \

@@ -40,7 +40,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   try {
     core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
         if (!function) return true;
-        const RTCCompressedPart part = asPublic(*cluster.part);
+        const RTCCompressedPart part = toPublic(*cluster.part);
         const RTCCompressedCluster publicCluster = cbvh::clusterAs<RTCCompressedCluster>(cluster,part);
         return function(userPtr,&publicCluster);
       },sums);

@@ -159,7 +159,7 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, un
   RTC_CATCH_BEGIN;
   require(file,"file");
   require(statistics,"statistics");
-  core::writeStruct(statistics,asPublic(file->statistics(index)));
+  core::writeStruct(statistics,toPublic(file->statistics(index)));
   return true;
   RTC_CATCH_END2(file);
   return false;

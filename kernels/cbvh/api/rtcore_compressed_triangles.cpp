@@ -43,7 +43,7 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
   require(geometry,"geometry");
   require((const void*)function,"function");
   core::forEachPart(geometry,time,[&](const cbvh::StoredPart& part) {
-      const RTCCompressedPart publicPart = asPublic(part);
+      const RTCCompressedPart publicPart = toPublic(part);
       return function(userPtr,&publicPart);
     });
   RTC_CATCH_END2(geometry);

@@ -72,7 +72,7 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
   require(scene,"scene");
   require(stats,"stats");
   core::requireStruct(stats);
-  core::writeStruct(stats,asPublic(core::statisticsOf(scene)));
+  core::writeStruct(stats,toPublic(core::statisticsOf(scene)));
   RTC_CATCH_END2(scene);
 }
 

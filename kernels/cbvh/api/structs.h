@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Public structs of include/embree3: those that may grow (core/struct_size.h), and conversion from internal ones. */
+/* Public structs of include/embree3 that may grow (core/struct_size.h), and conversion of internal structs. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
@@ -17,7 +17,7 @@ namespace embree
 {
   namespace core
   {
-    /* The member never changes: it is the last one of the struct's first version. */
+    /* With the last member of each struct's first version, which never changes. */
     CBVH_EXTENSIBLE_STRUCT(RTCCompressionArguments,progressUserPtr);
     CBVH_EXTENSIBLE_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_EXTENSIBLE_STRUCT(RTCCompressedFileGeometryInfo,bytes);
@@ -29,16 +29,16 @@ namespace embree
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }
 
-  inline RTCCompressedPart asPublic (const cbvh::StoredPart& part) {
+  inline RTCCompressedPart toPublic (const cbvh::StoredPart& part) {
     return RTCCompressedPart{ part.primID,part.width,part.height,part.vertices,part.parameters,part.primIDs,
         part.primitivesPerQuad };
   }
 
-  inline RTCCompressionStatistics asPublic (const cbvh::CompressionStatistics& statistics)
+  inline RTCCompressionStatistics toPublic (const cbvh::CompressionStatistics& statistics)
   {
-    RTCCompressionStatistics to = RTCCompressionStatistics();
-    cbvh::forEachMember(to,statistics,[](size_t& to, size_t value) { to = value; },
+    RTCCompressionStatistics result = RTCCompressionStatistics();
+    cbvh::forEachMember(result,statistics,[](size_t& to, size_t value) { to = value; },
         [](float& to, float value) { to = value; });
-    return to;
+    return result;
   }
 }

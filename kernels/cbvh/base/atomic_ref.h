@@ -22,21 +22,21 @@ namespace embree
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
-      /*! Compare-and-swap: stores `value` if the object equals `expected`. Otherwise returns false and sets `expected`
-       *  to the current value. May fail spuriously, so callers loop. */
-      bool exchangeWeak (T& expected, T value, std::memory_order order) const {
-        return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
+      /*! Stores `value` if the object equals `expected`. Otherwise returns false and sets `expected` to the current
+       *  value. May fail spuriously, so callers loop. */
+      bool compareExchangeWeak (T& expected, T value, std::memory_order order) const {
+        return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),failureOrder(order));
       }
 
-      /*! Same, but never fails spuriously. */
-      bool exchange (T& expected, T value, std::memory_order order) const {
-        return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),onFailure(order));
+      /*! Never fails spuriously. */
+      bool compareExchange (T& expected, T value, std::memory_order order) const {
+        return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),failureOrder(order));
       }
 
     private:
       static_assert(__atomic_always_lock_free(sizeof(T),nullptr),"plain objects have no lock");
 
-      static int onFailure (std::memory_order order)
+      static int failureOrder (std::memory_order order)
       {
         if (order == std::memory_order_acq_rel) return __ATOMIC_ACQUIRE;
         return order == std::memory_order_release ? __ATOMIC_RELAXED : int(order);

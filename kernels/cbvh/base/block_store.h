@@ -60,7 +60,7 @@ namespace embree
         commit(size,bounds,type);
       }
 
-      /*! For writers after each patch. flush() must be called after the last one. */
+      /*! Writers call this after each patch, and flush() after the last one. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
       /*! Copies the buffered blocks and creates their primitives. A piece of memory contains many blocks, because the
@@ -69,20 +69,21 @@ namespace embree
       {
         for (size_t i=0, next; i<pending.size(); i=next)
         {
-          const size_t from = pending[i].offset;
-          for (next=i+1; next<pending.size() && pending[next].offset-from < maxPieceBytes; next++);
-          const size_t size = (next < pending.size() ? pending[next].offset : used) - from;
+          const size_t begin = pending[i].offset;
+          for (next=i+1; next<pending.size() && pending[next].offset-begin < maxPieceBytes; next++);
+          const size_t size = (next < pending.size() ? pending[next].offset : used) - begin;
           char* piece = (char*)(*memory)(size+pending[next-1].readPast);
-          memcpy(piece,bytes.data()+from,size);
+          memcpy(piece,bytes.data()+begin,size);
           for (size_t k=i; k<next; k++)
-            add(pending[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(pending[k].offset-from),pending[k].type)));
+            addPrimitive(pending[k].bounds,
+                         size_t(BVH4::encodeTypedLeaf(piece+(pending[k].offset-begin),pending[k].type)));
         }
         pending.clear();
         used = 0;
       }
 
       /*! Adds a primitive that is not in the buffer. reference: a leaf of the top-level tree (BVH4::NodeRef). */
-      void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
+      void addPrimitive (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;
       cbvh::BlockMemory* memory;
@@ -92,8 +93,8 @@ namespace embree
       static const size_t flushThresholdBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
 
     private:
-      /*! Bound on an allocation of flush(), not counting its last block. Larger ones would leave much of a chunk of
-       *  Embree's allocator unused, which has up to 2 MiB, or not fit. */
+      /*! Bound on an allocation of flush(), not counting its last block. Embree's allocator has chunks of up to 2 MiB:
+       *  larger allocations would leave much of a chunk unused, or not fit. */
       static const size_t maxPieceBytes = 1 << 20;
 
       struct PendingBlock

@@ -39,7 +39,7 @@ namespace embree
                                             uncompressedBytes,&bounds);
         statistics.sums.uncompressedBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numUncompressedQuads += size_t(x1-x0)*size_t(y1-y0);
-        store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
+        store.addPrimitive(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
       /*! Bytes of a patch's grids in GRID, with their share of the nodes above. */

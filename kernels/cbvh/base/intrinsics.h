@@ -41,7 +41,7 @@ namespace embree
 
   /*! Bit Mask::size*j + i of the result is lane i of masks[j]. */
   template<typename Mask, int n>
-  __forceinline uint32_t lanesOf (const Mask (&masks)[n])
+  __forceinline uint32_t movemasks (const Mask (&masks)[n])
   {
     uint32_t lanes = 0;
     for (int j=0; j<n; j++) lanes |= uint32_t(movemask(masks[j])) << (Mask::size*j);
@@ -50,7 +50,7 @@ namespace embree
 
 #if !defined(__AVX__)
   /*! Same. Packs the masks first, because NEON needs several instructions to collect the bits of a vector. */
-  __forceinline uint32_t lanesOf (const vboolf4 (&masks)[4])
+  __forceinline uint32_t movemasks (const vboolf4 (&masks)[4])
   {
 #if defined(__ARM_NEON)
     auto halves = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };

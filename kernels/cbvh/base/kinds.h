@@ -22,10 +22,10 @@ CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
 
-/*! Bound of kinds, which references store. */
+/*! References have room for this many kinds. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
 
-/*! Bound of kinds with frames: headers have 4 bits for them. */
+/*! Headers of blocks with frames have 4 bits for the kind. */
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
 /*! Bit mask of the kinds with frames. */
@@ -40,7 +40,7 @@ struct KindFormat
   uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
   uint32_t groupBytes;    //!< data of 2 x 2 leaves, the children of a node of the last level; 0 if leaves have none
   uint32_t vertexBytes;   //!< per stored vertex; 0 if blocks store no vertices
-  uint32_t padding;       //!< bytes that decoders read after the last leaf
+  uint32_t readPast;      //!< bytes that decoders read after the last leaf
 };
 
 /*! Formats of the kinds with frames, indexed by kind. */
@@ -112,8 +112,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind: all blocks
- *  that such a library loads are cVERT, as fallback faces are. */
+/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind: it then loads
+ *  only cVERT blocks, the fallback faces. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -38,7 +38,7 @@ namespace embree
         : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORMAT : VERT_FORMAT;
     }
 
-    /*! Moving blocks are checked when their file is loaded. */
+    /*! Loading a file checks these, so callers need not. */
     constexpr bool isMovingBlock (std::size_t type) { return type == MOVING_VERT_BLOCK || type == MOVING_MESH_BLOCK; }
 
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }

@@ -54,28 +54,28 @@ namespace embree
 
     void setCompression (Geometry* geometry, const CompressionSettings& settings)
     {
-      CompressibleGeometry* const surface = asCompressible(geometry);
-      if (!surface)
+      CompressibleGeometry* const compressible = asCompressible(geometry);
+      if (!compressible)
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,
             "only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or "
             "RTC_GEOMETRY_TYPE_TRIANGLE can be compressed");
       requireEditable(geometry);
       validate(settings);
-      surface->compression = settings;
+      compressible->compression = settings;
       geometry->Geometry::update();
     }
 
     bool hasBlocks (Geometry* geometry)
     {
-      const CompressibleGeometry* const surface = asCompressible(geometry);
-      return surface && surface->surface.blocks;
+      const CompressibleGeometry* const compressible = asCompressible(geometry);
+      return compressible && compressible->surface.blocks;
     }
 
     const char* reasonNotCompressed (Geometry* geometry)
     {
-      const CompressibleGeometry* const surface = asCompressible(geometry);
-      return surface && surface->surface.rejectionReason && *surface->surface.rejectionReason
-        ? surface->surface.rejectionReason : nullptr;
+      const CompressibleGeometry* const compressible = asCompressible(geometry);
+      return compressible && compressible->surface.rejectionReason && *compressible->surface.rejectionReason
+        ? compressible->surface.rejectionReason : nullptr;
     }
 
     cbvh::CompressionStatistics statisticsOf (Scene* scene)

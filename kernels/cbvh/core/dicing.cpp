@@ -138,9 +138,9 @@ namespace embree
 
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera)
     {
-      const CompressibleGeometry* const surface = asCompressible(geometry);
-      if (!surface || surface->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-          "only subdivision surfaces can be diced");
+      const CompressibleGeometry* const compressible = asCompressible(geometry);
+      if (!compressible || compressible->ownType != Geometry::GTY_SUBDIV_MESH)
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only subdivision surfaces can be diced");
       requireEditable(geometry);
       SubdivMesh* const mesh = (SubdivMesh*) geometry;
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED

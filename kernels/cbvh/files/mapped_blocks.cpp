@@ -206,7 +206,7 @@ namespace embree
       /* several threads may check a block; one of them writes before any of them marks the block */
       uint32_t expected = record.surface;
       if (record.surface != surfaceNumber)
-        surfaceOf(offset,format).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
+        surfaceOf(offset,format).compareExchange(expected,surfaceNumber,std::memory_order_acq_rel);
     }
 
     bool MappedBlocks::check (size_t offset, BlockFormat format) const

@@ -50,7 +50,7 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
   sizes.numNodes = nodesOfLevels(sizes.nodeLevels);
   sizes.leafOffset = blockHeaderBytes + 4u*sizes.numNodes;
   sizes.leafBytes = kindFormats[kind].groupBytes*sizes.leavesPerSide*sizes.leavesPerSide/4u
-                   + kindFormats[kind].vertexBytes*width*width + kindFormats[kind].padding;
+                   + kindFormats[kind].vertexBytes*width*width + kindFormats[kind].readPast;
   sizes.bytes = sizes.leafOffset + sizes.leafBytes;
   sizes.stride = (sizes.bytes + blockAlignment-1u) & ~(blockAlignment-1u);
   return sizes;

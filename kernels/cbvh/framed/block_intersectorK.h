@@ -24,13 +24,13 @@ namespace embree
                                               const RayStates<K>& state, const Block* block)
         {
           NodeRays<K> nodeRays;
-          const vbool<K> inside = nodeRays.init(state,block,rays.tfar,valid);
-          if (none(inside)) return inside;
+          const vbool<K> active = nodeRays.init(state,block,rays.tfar,valid);
+          if (none(active)) return active;
           typedef Visitor<K,Rays> BlockVisitor;
           const BlockLayout layout = blockLayout(BlockVisitor::kind,block->height());
           BlockTiles tiles(block,layout);
-          BlockVisitor visitor(rays,context,state,block,layout,nodeRays,tiles,inside);
-          BlockWalkK<K,BlockVisitor>(nodeRays,tiles,visitor).run(inside);
+          BlockVisitor visitor(rays,context,state,block,layout,nodeRays,tiles,active);
+          BlockWalkK<K,BlockVisitor>(nodeRays,tiles,visitor).run(active);
           return visitor.isHit;
         }
       };

@@ -117,9 +117,10 @@ namespace embree
   inline CompressibleGeometry* asTreeGeometry (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
-    CompressibleGeometry* const surface = asCompressible(geometry);
-    return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH))
-      ? surface : nullptr;
+    CompressibleGeometry* const compressible = asCompressible(geometry);
+    return compressible
+      && (compressible->isCompressed() || (!moves && compressible->getType() == Geometry::GTY_SUBDIV_MESH))
+      ? compressible : nullptr;
   }
 
   /*! Returns data, the contents of a buffer. Throws if it is null because the input was released. */

@@ -17,8 +17,8 @@ namespace embree
   /*! Returns the blocks of a geometry, valid until its next commit. Throws as throwNotCompressed() if it has none. */
   inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
   {
-    const CompressibleGeometry* const surface = asCompressible(geometry);
-    if (!surface || !surface->surface.blocks) throwNotCompressed();
-    return *surface->surface.blocks;
+    const CompressibleGeometry* const compressible = asCompressible(geometry);
+    if (!compressible || !compressible->surface.blocks) throwNotCompressed();
+    return *compressible->surface.blocks;
   }
 }

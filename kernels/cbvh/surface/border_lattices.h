@@ -193,7 +193,7 @@ namespace embree
       {
         const cbvh::AtomicRef<int8_t> at(exponent);
         int8_t found = at.load(std::memory_order_relaxed);
-        while (found < value && !at.exchangeWeak(found,value,std::memory_order_relaxed)) {}
+        while (found < value && !at.compareExchangeWeak(found,value,std::memory_order_relaxed)) {}
       }
 
       Device* const device;

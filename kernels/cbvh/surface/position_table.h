@@ -53,7 +53,7 @@ namespace embree
         {
           const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
-          if (found == 0 && slot.exchange(found,added,std::memory_order_relaxed)) return Entry(at);
+          if (found == 0 && slot.compareExchange(found,added,std::memory_order_relaxed)) return Entry(at);
           if (!isSame(positions,found,vertex,p,h)) continue;
           if (!(found & sharedBit)) slot.fetchOr(sharedBit,std::memory_order_relaxed);
           return Entry(at);

@@ -133,7 +133,7 @@ namespace embree
     {
       const cbvh::AtomicRef<unsigned> slot(value);
       unsigned found = slot.load(std::memory_order_relaxed);
-      while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
+      while (to < found && !slot.compareExchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
     void buildTable ()

@@ -61,7 +61,7 @@ namespace embree
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
         // filter functions must see hits in order, see traverseClosestHit1
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
-        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
+        LeafIntersector leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,cbvh::StaticNodes(),ray,leaves);
         ray.tfar = leaves.state.framed.finalTfar(ray.tfar);
       }
@@ -87,8 +87,8 @@ namespace embree
       }
 
     private:
-      /*! The Leaves of traverseClosestHit1. */
-      struct Leaves
+      /*! The LeafIntersector of traverseClosestHit1. */
+      struct LeafIntersector
       {
         const Accel::Intersectors* This;
         RayHit& ray;
@@ -139,7 +139,7 @@ namespace embree
       /* For callers that have tested the bounds. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
-        Leaves leaves = { ray,context };
+        LeafIntersector leaves = { ray,context };
         cbvh::traverseClosestHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,leaves);
       }
       static __noinline void occludedTree (const BVH4* bvh, Ray& ray, IntersectContext* context)
@@ -167,8 +167,8 @@ namespace embree
         return cbvh::intersectMovingBlock(type,ray,context,vertRay,block);
       }
 
-      /*! The Leaves of traverseClosestHit1. Moving blocks have no frames. */
-      struct Leaves
+      /*! The LeafIntersector of traverseClosestHit1. Moving blocks have no frames. */
+      struct LeafIntersector
       {
         RayHit& ray;
         IntersectContext* context;

@@ -21,9 +21,9 @@ namespace embree
 {
   namespace isa
   {
-    /*! The Leaves of PacketTraversal: blocks, and Embree's grids for patches that are not compressed. */
+    /*! The LeafIntersector of PacketTraversal: blocks, and Embree's grids for patches that are not compressed. */
     template<int K, typename Rays>
-    class CompressedSubdivLeavesK
+    class SubdivLeafIntersectorK
     {
       typedef SubdivPatch1IntersectorK<K> Grids;
       typedef TravRayK<K,true> Tray;
@@ -32,8 +32,8 @@ namespace embree
     public:
       vfloat<K> tfar; //!< see PacketTraversal
 
-      __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
-                                             IntersectContext* context)
+      __forceinline SubdivLeafIntersectorK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
+                                            IntersectContext* context)
         : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), framed(rays.tfar) {}
 
       __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT,
@@ -195,7 +195,7 @@ namespace embree
         PacketResult result = { uint32_t(movemask(valid)),vbool<K>(false) };
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
         if (!context->isCoherent() || root == BVH4::emptyNode) return result;
-        CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
+        SubdivLeafIntersectorK<K,Rays> leaves(valid,This,rays,context);
         cbvh::TopLevelRays<K> tray(valid,rays);
         uint32_t negativeRays[3], separate = 0;
         for (int axis=0; axis<3; axis++) negativeRays[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
@@ -208,7 +208,7 @@ namespace embree
           rest &= ~same;
           // two rays gain too little from a common traversal
           if (popcnt(same) <= 2) separate |= same;
-          else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,
+          else cbvh::PacketTraversal<K,SubdivLeafIntersectorK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,
             leaves);
         }
         leaves.finish(valid);

@@ -16,14 +16,14 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Leaves: a class for closest hit or any hit with
+      /*! LeafIntersector: a class for closest hit or any hit with
        *
        *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT, const Tray& tray,
        *                     size_t& lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
        *     vfloat<K> tfar
        *       Ends of rays, -inf for any-hit rays with a hit; read after each intersect(). */
-      template<int K, typename Leaves>
+      template<int K, typename LeafIntersector>
       class PacketTraversal
       {
         typedef BVH4::NodeRef NodeRef;
@@ -41,47 +41,47 @@ namespace embree
         /*! Traverses the tree with the rays in `valid`, which must have the same signs of tray.rdir. k: one of them.
          *  Sets tnear and tfar of tray. */
         static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
-                                    Leaves& leaves)
+                                    LeafIntersector& leaves)
         {
           tray.tnear = select(valid,max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),vfloat<K>(pos_inf));
           tray.tfar = select(valid,max(vfloat<K>(rays.tfar),vfloat<K>(zero)),vfloat<K>(neg_inf));
           Frustum<true> frustum;
           frustum.template init<K>(valid,tray.org,tray.rdir,tray.tnear,tray.tfar,4);
 
-          const Boxes boxes(tray,k);
+          const BoxTest boxTest(tray,k);
 
           Entry stack[1+3*BVH4::maxDepth+1];
           Entry* top = stack;
           *top++ = Entry{ tray.tnear,root,float(neg_inf) };
           while (top != stack)
           {
-            const Entry at = *--top;
-            const vbool<K> hit = at.entryT <= tray.tfar;
+            const Entry entry = *--top;
+            const vbool<K> hit = entry.entryT <= tray.tfar;
             if (none(hit)) continue;
-            if (!at.node.isLeaf()) {
-              top = pushChildren(at,frustum,boxes,tray,top);
+            if (!entry.node.isLeaf()) {
+              top = pushChildren(entry,frustum,boxTest,tray,top);
               continue;
             }
             size_t lazyNode = 0;
-            leaves.intersect(hit,at.node,at.entryT,tray,lazyNode);
+            leaves.intersect(hit,entry.node,entry.entryT,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
               // NaN in inactive lanes would spoil the frustum's maximum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            if (unlikely(lazyNode)) *top++ = Entry{ at.entryT,NodeRef(lazyNode),at.frustumEntryT };
+            if (unlikely(lazyNode)) *top++ = Entry{ entry.entryT,NodeRef(lazyNode),entry.frustumEntryT };
           }
         }
 
       private:
         /*! Embree's robust box test for packets: the operations of single rays, with the factors of PlaneFactors. */
-        class Boxes
+        class BoxTest
         {
           vfloat<K> rdirNear[3], rdirFar[3];
           size_t nearSide[3];
 
         public:
-          __forceinline Boxes (const Tray& tray, size_t k)
+          __forceinline BoxTest (const Tray& tray, size_t k)
           {
             for (int axis=0; axis<3; axis++) {
               rdirNear[axis] = vfloat<K>(1.0f-3.0f*float(ulp))*tray.rdir[axis];
@@ -105,23 +105,23 @@ namespace embree
         };
 
         /*! Pushes the children that rays intersect, the nearest one last. Returns the new top. */
-        static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
-                                                  const Tray& tray, Entry* top)
+        static __forceinline Entry* pushChildren (const Entry& entry, const Frustum<true>& frustum,
+                                                  const BoxTest& boxTest, const Tray& tray, Entry* top)
         {
-          const BVH4::AABBNode* node = at.node.getAABBNode();
+          const BVH4::AABBNode* node = entry.node.getAABBNode();
           vfloat4 frustumEntryT;
           Entry* const bottom = top;
           for (size_t rest=intersectNodeFrustum<4>(node,frustum,frustumEntryT); rest;)
           {
             const size_t i = bscf(rest);
             vfloat<K> entryT;
-            const vbool<K> hit = boxes.intersectBox(node,i,tray,entryT);
+            const vbool<K> hit = boxTest.intersectBox(node,i,tray,entryT);
             if (none(hit)) continue;
             BVH4::prefetch(node->child(i));
             const Entry child = { select(hit,entryT,vfloat<K>(nan)),node->child(i),frustumEntryT[i] };
-            Entry* place = top++;
-            for (; place != bottom && place[-1].frustumEntryT < child.frustumEntryT; place--) place[0] = place[-1];
-            *place = child;
+            Entry* slot = top++;
+            for (; slot != bottom && slot[-1].frustumEntryT < child.frustumEntryT; slot--) slot[0] = slot[-1];
+            *slot = child;
           }
           return top;
         }

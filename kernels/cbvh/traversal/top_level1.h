@@ -63,7 +63,7 @@ namespace embree
         return true;
       }
 
-      /*! Finds the closest hit of a ray. Leaves: a class with
+      /*! Finds the closest hit of a ray. LeafIntersector: a class with
        *
        *     bool isSorted
        *       True if blocks with frames must be visited in order of distance, so that each hit that a filter function
@@ -74,8 +74,9 @@ namespace embree
        *       Sets the entry distance of the next block with a frame.
        *     void intersect (leaf, tray, lazyNode)
        *       Intersects a leaf. lazyNode: receives a node that must be traversed next. */
-      template<typename Nodes, typename Leaves>
-      __forceinline void traverseClosestHit1 (BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, Leaves& leaves)
+      template<typename Nodes, typename LeafIntersector>
+      __forceinline void traverseClosestHit1 (BVH4::NodeRef root, const Nodes& nodes, RayHit& ray,
+                                              LeafIntersector& leaves)
       {
         typedef BVH4::NodeRef NodeRef;
         typedef StackItemT<NodeRef> Entry;
@@ -102,7 +103,7 @@ namespace embree
               stack+sizeof(stack)/sizeof(Entry));
           }
           if (unlikely(mask == 0)) continue;
-          if (Leaves::hasFrame(cur)) {
+          if (LeafIntersector::hasFrame(cur)) {
             entryT = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
             if (unlikely(leaves.isSorted) && deferToNearer(cur,entryT,stack,top)) continue;
             leaves.setEntryT(entryT);

@@ -70,7 +70,7 @@ namespace embree
           vfloatV::store(enter+vectorWidth*j,tNear[j]);
           hit[j] = tNear[j] <= tFar[j];
         }
-        return lanesOf(hit) & boxes.lanes;
+        return movemasks(hit) & boxes.lanes;
       }
 
       /*! Removes the group with the smallest entry distance from a mask, and returns it. */

@@ -121,7 +121,7 @@ namespace embree
           inside[j] = mayContain(w0,w1,w2);
           sides.set(int(j),w0,w1,w2);
         }
-        return lanesOf(inside) & triangles.lanes;
+        return movemasks(inside) & triangles.lanes;
       }
 
       /*! Returns the mask of triangles that the ray's line may pass through. Sets the sides of all lanes. */

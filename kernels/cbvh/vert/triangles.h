@@ -137,7 +137,7 @@ namespace embree
             halves[0].set(j,diag,left,bottom);
             halves[1].set(j,right,top,-diag);
           }
-          const uint32_t firstMask = lanesOf(first), secondMask = lanesOf(second);
+          const uint32_t firstMask = movemasks(first), secondMask = movemasks(second);
           const uint32_t candidateMask = firstMask | (secondMask << 16);
           if (candidateMask == 0) return;
           const uint32_t lowest = uint32_t(bsf(candidateMask));

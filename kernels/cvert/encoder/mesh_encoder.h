@@ -370,8 +370,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) header.info |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4*k);
       header.surface = surface;
       header.primID = lowest;
-      header.counts = meshMarkOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
-      header.info |= meshMarkOfInfo() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16
+      header.counts = meshTagOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
+      header.info |= meshTagOfInfo() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16
         | (uint32_t(slopes[1]) & 31) << 21;
 
       const MeshLayout layout = meshLayout(header.counts);

@@ -59,7 +59,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       MeshHeader header;
       std::memcpy(&header,block,sizeof(header));
-      header.counts = (header.counts & ~meshMarkOfCounts()) | movingMeshMarkOfCounts();
+      header.counts = (header.counts & ~meshTagOfCounts()) | movingMeshTagOfCounts();
       header.motion = uint32_t(bytes);
       const VertMotion motion = { cluster.begin,cluster.end,cluster.numSteps,uint32_t(bytes+sizeof(VertMotion)) };
       std::memcpy(block+bytes,&motion,sizeof(motion));

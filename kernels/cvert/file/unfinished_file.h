@@ -86,7 +86,7 @@ namespace cvert
 
     /*! Creates or opens a file that a later process can continue: the final name and `suffix`. Throws
      *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
-    UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), isKept(true)
+    UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), isPersistent(true)
     {
       requireFile();
       const std::string path = folderOf(output.path) + "/" + shortenedName(suffix.size()) + suffix;
@@ -97,7 +97,7 @@ namespace cvert
     ~UnfinishedFile ()
     {
       if (file < 0) return;
-      if (!isKept) ::unlink(name.c_str());
+      if (!isPersistent) ::unlink(name.c_str());
       ::close(file);
     }
 
@@ -107,8 +107,8 @@ namespace cvert
     int descriptor () const { return file; } //!< -1 after commit
     const std::string& path () const { return name; }
 
-    /*! isKept: the destructor does not remove the file. */
-    void setKept (bool isKept) { this->isKept = isKept; }
+    /*! isPersistent: the destructor does not remove the file. */
+    void setPersistent (bool isPersistent) { this->isPersistent = isPersistent; }
 
     /*! Copies permissions, and the owner if permitted, of the file that this one replaces. Copies the set-user-ID,
      *  set-group-ID and sticky bits (07000) only with the group. */
@@ -214,6 +214,6 @@ namespace cvert
     const OutputPath output;
     std::string name;
     int file = -1;
-    bool isKept = false;
+    bool isPersistent = false;
   };
 }

@@ -10,11 +10,11 @@
 
 namespace cvert
 {
-  uint64_t FileSurface::append (FileChild type, const void* data, uint32_t bytes, uint32_t surface)
+  uint64_t FileSurface::append (FileChild type, const void* data, uint32_t bytes, uint32_t surfaceOffset)
   {
-    const uint64_t begin = end;
-    blocks.push_back({ data,bytes,surface });
-    end = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
+    const uint64_t begin = blockBytes;
+    blocks.push_back({ data,bytes,surfaceOffset });
+    blockBytes = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
     if (type == FILE_MESH) vertVersion = std::max(vertVersion,meshFormatVersion+0u);
     if (type == FILE_MOVING_MESH) vertVersion = movingMeshFormatVersion;
     return begin | type;
@@ -32,19 +32,19 @@ namespace cvert
     if (blocks.empty())
       for (int k=0; k<3; k++) { record.lower[k] = infinity; record.upper[k] = -infinity; }
     FileEntry entry = FileEntry();
-    bool hasVertex = false;
+    bool hasFiniteVertex = false;
     for (uint32_t step=0; step<(moves ? motionOf(block).numSteps : 1); step++)
     {
       float lower[3], upper[3];
       if (!DecodedBlock(block,step).bounds(lower,upper)) continue;
-      hasVertex = true;
+      hasFiniteVertex = true;
       for (int k=0; k<3; k++) {
         record.lower[k] = lesser(lower[k],record.lower[k]);
         record.upper[k] = greater(upper[k],record.upper[k]);
         if (!moves) { entry.lower[k] = lower[k]; entry.upper[k] = upper[k]; }
       }
     }
-    if (!hasVertex) throw Error(ErrorCode::INVALID_ARGUMENT,"the block cannot be saved: it has no finite vertex");
+    if (!hasFiniteVertex) throw Error(ErrorCode::INVALID_ARGUMENT,"the block cannot be saved: it has no finite vertex");
     entry.child = append(moves ? FILE_MOVING_VERT : FILE_VERT,block,bytes,offsetof(VertHeader,surface));
     tree.insert(tree.end(),(const char*)&entry,(const char*)(&entry+1));
   }
@@ -55,17 +55,17 @@ namespace cvert
     std::string name = path;
     try
     {
-      const OutputPath place(path);
-      if (place.kind == OutputPath::STREAM)
+      const OutputPath output(path);
+      if (output.kind == OutputPath::STREAM)
         throw Error(ErrorCode::INVALID_ARGUMENT,
                        path + ": is a device, a pipe or an open descriptor: expected a regular file");
-      name = place.path + suffix;
-      file.reset(suffix.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,suffix));
+      name = output.path + suffix;
+      file.reset(suffix.empty() ? new UnfinishedFile(output) : new UnfinishedFile(output,suffix));
     }
     catch (const std::system_error& error)
     {
-      const bool isTaken = error.code().value() == EWOULDBLOCK;
-      if (isTaken) throw Error(ErrorCode::INVALID_ARGUMENT,name + ": is being written by another writer");
+      const bool isLocked = error.code().value() == EWOULDBLOCK;
+      if (isLocked) throw Error(ErrorCode::INVALID_ARGUMENT,name + ": is being written by another writer");
       throw Error(ErrorCode::INVALID_ARGUMENT,name + ": cannot be written: " + error.code().message());
     }
   }
@@ -87,55 +87,57 @@ namespace cvert
     if (!file || !isResumable) return;
     try { if (!failed && !directory.empty() && written != saved) writeDirectory(); }
     catch (...) {} // the file still contains what the header on the disk refers to
-    file->setKept(saved != 0);
+    file->setPersistent(saved != 0);
   }
 
   void FileWriter::begin ()
   {
     file->copyPermissions();
-    const FileHeader none = FileHeader();
-    write(&none,sizeof(none));
+    const FileHeader blank = FileHeader();
+    write(&blank,sizeof(blank));
     padTo(filePage);
   }
 
   void FileWriter::resume ()
   {
-    const int part = file->descriptor();
-    auto reject = [&](const std::string& why) {
-      throw Error(ErrorCode::INVALID_ARGUMENT,file->path() + ": " + why);
+    const int descriptor = file->descriptor();
+    auto reject = [&](const std::string& reason) {
+      throw Error(ErrorCode::INVALID_ARGUMENT,file->path() + ": " + reason);
     };
     struct stat status;
-    if (::fstat(part,&status) != 0 || !S_ISREG(status.st_mode)) reject("is not a regular file");
+    if (::fstat(descriptor,&status) != 0 || !S_ISREG(status.st_mode)) reject("is not a regular file");
     FileHeader header = FileHeader();
-    const FileHeader none = FileHeader();
-    if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
+    const FileHeader blank = FileHeader();
+    const bool isShort = ::pread(descriptor,&header,sizeof(header),0) != ssize_t(sizeof(header));
+    const bool isBlank = memcmp(&header,&blank,sizeof(blank)) == 0;
+    if (isShort || isBlank)
     {
       // nothing was saved; a short file may be of another kind
-      if (memcmp(&header,&none,sizeof(none)) != 0) reject("is not a file of compressed surfaces");
-      if (::ftruncate(part,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
+      if (!isBlank) reject("is not a file of compressed surfaces");
+      if (::ftruncate(descriptor,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
     }
-    const std::string anew = "; remove it to start again";
+    const std::string hint = "; remove it to start again";
     if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) reject("is not a file of compressed surfaces");
     if (header.byteOrder != fileByteOrder || header.version != fileVersion
         || header.vertVersion < vertFormatVersion || header.vertVersion > movingMeshFormatVersion
         || header.framedVersion != fileFramedVersion)
-      reject("was started by another version of the library" + anew);
+      reject("was started by another version of the library" + hint);
     const uint64_t count = header.numGeometries;
     if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum))
         || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
         header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
-      reject("is damaged" + anew);
+      reject("is damaged" + hint);
     if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32))
-      reject("was started with another key" + anew);
+      reject("was started with another key" + hint);
     vertVersion = header.vertVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
-    const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
-    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + anew);
+    const bool isRead = ::pread(descriptor,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
+    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + hint);
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
     written = saved = header.fileBytes;
-    if (::ftruncate(part,off_t(written)) != 0 || ::lseek(part,off_t(written),SEEK_SET) < 0)
+    if (::ftruncate(descriptor,off_t(written)) != 0 || ::lseek(descriptor,off_t(written),SEEK_SET) < 0)
       reject(std::string("cannot be written: ") + std::strerror(errno));
   }
 
@@ -185,7 +187,7 @@ namespace cvert
     record.surface = record.blocksChecksum = 0;
     record.numBlocks = surface.blocks.size();
     record.treeBytes = surface.tree.size();
-    record.blockBytes = surface.end;
+    record.blockBytes = surface.blockBytes;
     record.treeChecksum = fileChecksum(surface.tree.data(),surface.tree.size());
     record.surface = chooseSurfaceNumber(record);
     if (const Reason reason = validateRecord(record))
@@ -210,19 +212,19 @@ namespace cvert
 
   void FileWriter::writeBlocks (FileSurface& surface)
   {
-    std::vector<char> piece;
+    std::vector<char> buffer;
     auto flush = [&] {
-      surface.record.blocksChecksum = fileChecksum(piece.data(),piece.size(),surface.record.blocksChecksum);
-      write(piece.data(),piece.size());
-      piece.clear();
+      surface.record.blocksChecksum = fileChecksum(buffer.data(),buffer.size(),surface.record.blocksChecksum);
+      write(buffer.data(),buffer.size());
+      buffer.clear();
     };
     for (const FileSurface::Block& block : surface.blocks)
     {
-      const size_t begin = piece.size();
-      piece.resize(begin + ((block.bytes + blockAlignment-1) & ~size_t(blockAlignment-1)));
-      memcpy(piece.data()+begin,block.data,block.bytes);
-      memcpy(piece.data()+begin+block.surface,&surface.record.surface,sizeof(surface.record.surface));
-      if (piece.size() >= size_t(1) << 20) flush(); // writes of about 1 MiB
+      const size_t begin = buffer.size();
+      buffer.resize(begin + ((block.bytes + blockAlignment-1) & ~size_t(blockAlignment-1)));
+      memcpy(buffer.data()+begin,block.data,block.bytes);
+      memcpy(buffer.data()+begin+block.surfaceOffset,&surface.record.surface,sizeof(surface.record.surface));
+      if (buffer.size() >= size_t(1) << 20) flush(); // writes of about 1 MiB
     }
     flush();
   }

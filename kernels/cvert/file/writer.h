@@ -29,13 +29,13 @@ namespace cvert
     {
       const void* data;      //!< valid until the surface is written
       uint32_t bytes;
-      uint32_t surface;      //!< offset of the surface number
+      uint32_t surfaceOffset; //!< of the surface number in the block
     };
     std::vector<Block> blocks;
 
     /*! Appends a block, which must remain valid until the surface is written. type: neither FILE_NONE nor FILE_NODE.
-     *  surface: offset of the surface number in the block. Returns the child for a FileNode or FileEntry. */
-    uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
+     *  Returns the child for a FileNode or FileEntry. */
+    uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surfaceOffset);
 
     /*! Appends a cVERT block to a list, and extends the record's bounds by its vertices. Throws Error if record.form is
      *  not FILE_LIST or FILE_MOVING, or if the block is damaged or has no finite vertex. The block must remain valid
@@ -45,7 +45,7 @@ namespace cvert
   private:
     friend class FileWriter;
 
-    uint64_t end = 0;        //!< of the blocks
+    uint64_t blockBytes = 0; //!< of the blocks, with alignment
     uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
   };
 

@@ -70,11 +70,11 @@ CVERT_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16)
 CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
 /* Version and kind in `counts` and `info`, which are words 4 and 5 of corners in a grid block. */
-CVERT_FUNCTION uint32_t meshMarkOfCounts () {
+CVERT_FUNCTION uint32_t meshTagOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
 }
-CVERT_FUNCTION uint32_t meshMarkOfInfo () {
+CVERT_FUNCTION uint32_t meshTagOfInfo () {
   return (meshFormatVersion & 4u) << 13 | (meshFormatVersion & 8u) << 28 | (kindOfMesh & 4u) << 12
     | (kindOfMesh & 8u) << 27;
 }

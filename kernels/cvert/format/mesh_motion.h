@@ -73,8 +73,8 @@ namespace cvert { inline namespace CVERT_ISA
     return record;
   }
 
-  /*! Version and kind in MeshHeader::counts. MeshHeader::info is marked as in other mesh blocks. */
-  inline uint32_t movingMeshMarkOfCounts () { return meshMarkOfCounts() | 1u << 15; }
+  /*! Version and kind in MeshHeader::counts. MeshHeader::info has meshTagOfInfo(). */
+  inline uint32_t movingMeshTagOfCounts () { return meshTagOfCounts() | 1u << 15; }
 
   /*! Requires a valid block. */
   inline bool isMovingMesh (const MeshHeader* block) { return block->motion != 0; }
@@ -98,24 +98,25 @@ namespace cvert { inline namespace CVERT_ISA
   /* --- prediction --- */
 
   /*! Converts a float exactly, except that denormal floats become 0. */
-  inline double doubleOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
+  inline double flushedDouble (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
 
   /*! Predicts a world coordinate. row: row of MeshStep::map for the axis. p: vertex at the first step. */
   inline double predictedPosition (const float row[4], const float p[3]) {
-    return ((doubleOf(row[0])*doubleOf(p[0]) + doubleOf(row[1])*doubleOf(p[1])) + doubleOf(row[2])*doubleOf(p[2]))
-      + doubleOf(row[3]);
+    return ((flushedDouble(row[0])*flushedDouble(p[0]) + flushedDouble(row[1])*flushedDouble(p[1]))
+      + flushedDouble(row[2])*flushedDouble(p[2])) + flushedDouble(row[3]);
   }
 
   /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
    *  +-2^30, so that the conversion to an integer is defined. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
+    const double minNormalFloat = 1.1754943508222875e-38;
     if (hasRanks(spacings,axis))
-      return rankOfFloat(std::fabs(position) >= 1.1754943508222875e-38 ? float(position) : 0.0f) - rankOfFloat(origin);
+      return rankOfFloat(std::fabs(position) >= minNormalFloat ? float(position) : 0.0f) - rankOfFloat(origin);
     const uint64_t bits = uint64_t(1023+127 - ((spacings >> (8*axis)) & 255)) << 52; // 1 / spacing
-    double unit;
-    std::memcpy(&unit,&bits,sizeof(unit));
-    const double coordinate = std::floor((position-doubleOf(origin))*unit + 0.5), most = 1073741824.0;
-    return uint32_t(int32_t(coordinate > -most ? coordinate < most ? coordinate : most : -most));
+    double rcpSpacing;
+    std::memcpy(&rcpSpacing,&bits,sizeof(rcpSpacing));
+    const double coordinate = std::floor((position-flushedDouble(origin))*rcpSpacing + 0.5), limit = 1073741824.0;
+    return uint32_t(int32_t(coordinate > -limit ? coordinate < limit ? coordinate : limit : -limit));
   }
 }}
