@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The input that an application sets on a geometry of Embree, and its conversion to that of a CbvhSurface. */
+/* The input that an application sets on a geometry of Embree, and its conversion to input of a CbvhSurface. */
 
 #include "real.h"
 

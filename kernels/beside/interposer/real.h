@@ -9,12 +9,12 @@
 
 namespace interposer {
 
-/* Returns Embree's function: the next one after this library in the dynamic linker's search order, or else from an
- * Embree loaded with RTLD_LOCAL, which then stays loaded. Aborts the program if there is none. */
+/* Returns Embree's function: the next one after this library in the dynamic linker's search order. If there is none,
+ * returns the one of an Embree that was loaded with RTLD_LOCAL, and keeps that loaded, or else aborts the program. */
 void* findReal(const char* name);
 
-/* True if the program uses Embree 4, and the environment does not disable this library. Otherwise calls are forwarded
- * unchanged, because Embree 3 has functions of the same names with other arguments. */
+/* False if the environment disables this library, or the program uses Embree 3, whose functions of the same names have
+ * other arguments. All calls are then forwarded unchanged. */
 bool isActive();
 
 } // namespace interposer

@@ -14,7 +14,7 @@ SubstituteDataRange substituteDataRange = {{0}, {0}};
 
 namespace {
 
-constexpr size_t maxSubstitutes = size_t(1) << 20;   // only reserves addresses; the system adds memory on demand
+constexpr size_t maxSubstitutes = size_t(1) << 20;   // reserves address space, not memory
 
 struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted SubstituteData
 
@@ -29,7 +29,7 @@ bool hasSubstitutes() { return hasAny.load(std::memory_order_relaxed); }
 
 SubstituteData* newSubstituteData()
 {
-  static_assert(sizeof(SubstituteData) >= sizeof(FreeEntry), "the size of an entry of the free list");
+  static_assert(sizeof(SubstituteData) >= sizeof(FreeEntry), "a free entry fits into a SubstituteData");
   const std::lock_guard<std::mutex> lock(mutex);
   if (substituteDataRange.size == 0) {
     void* const base = mmap(nullptr, maxSubstitutes*sizeof(SubstituteData), PROT_READ | PROT_WRITE,

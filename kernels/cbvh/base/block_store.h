@@ -63,8 +63,8 @@ namespace embree
       /*! Writers call this after each patch, and flush() after the last one. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
-      /*! Copies the buffered blocks and creates their primitives. A piece of memory contains many blocks, because the
-       *  allocator rounds up the size of each piece. */
+      /*! Copies the buffered blocks and creates their primitives. Blocks share allocations, whose sizes the allocator
+       *  rounds up. */
       void flush ()
       {
         for (size_t i=0, next; i<pending.size(); i=next)

@@ -27,8 +27,8 @@ __forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
 
 namespace embree
 {
-  /*! Shifts a left by one lane and inserts lane i of b last. GCC would compile NEON's shuffles of two vectors to table
-   *  lookups. */
+  /*! Shifts a left by one lane and inserts lane i of b last. vextq, because GCC compiles shuffles of two vectors to
+   *  table lookups on NEON. */
   template<int i>
   __forceinline __m128 shiftAndInsert (__m128 a, __m128 b)
   {

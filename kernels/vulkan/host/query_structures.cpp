@@ -49,7 +49,7 @@ void QueryStructuresBuilder::addInstance(size_t level, const float* transform, c
   instance.transform = matrixOf(transform);
   instance.instanceCustomIndex = uint32_t(places.size());
   instance.mask = 0xFF;
-  instance.accelerationStructureReference = level;   // number of the level; build() replaces it by an address
+  instance.accelerationStructureReference = level;   // index in requests; build() replaces it by an address
   instances.push_back(instance);
   places.push_back(place);
 }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a cVERT block by kernels/cvert/rule/rule.h. Decodes a row of vertices of a static block, or a
- * group of a moving block, at a time. Tests in float select triangles, which are then tested exactly. */
+/* Intersects a ray with a cVERT block, as kernels/cvert/rule/rule.h defines. Decodes a row of vertices of a static block,
+ * or a group of a moving block, at a time. Tests in float select candidates, which are then tested exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -64,10 +64,9 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
   return mask;
 }
 
-/* Tests a triangle exactly. h: bit of cbvhTriangles. */
+/* Tests triangle h of group gx, gy exactly; h is numbered as the bits of cbvhTriangles. */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
-  uint h,
-                      const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
+                      uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
   vec3 vertices[3];
@@ -86,8 +85,8 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, 
   return true;
 }
 
-/* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to be front to back. alongX, alongY:
- * directions of the block's rows and columns in world space. */
+/* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to be front to back. alongX, alongY: world
+ * directions of rows and columns. */
 uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
