@@ -20,7 +20,7 @@
 
 namespace embree
 {
-  /*! Prints and stores the message, because no device exists yet that could report it, and throws. */
+  /*! Throws after printing and storing the message, because no device exists yet to report it. */
   static void invalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
@@ -71,7 +71,7 @@ namespace embree
    *  parseEnvironment(), which clears them, then parse(), which collects them, and verify(), which reports them. */
   static thread_local std::vector<std::pair<std::string,std::string>> unknownKeys;
 
-  /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
+  /*! Without prefix: "grid, voxel, leaf or vert". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;
@@ -114,7 +114,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! key: one of `keys`. name: the key as the user wrote it, for messages. */
+  /*! key: one of `keys`. name: of the key, for messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -200,7 +200,7 @@ namespace embree
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
-    /* Embree ignores unknown keys. They are errors only if compression is requested. */
+    /* Errors only if the string requests compression: Embree ignores unknown keys. */
     for (const auto& entry : unknownKeys)
       if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
         invalid("the device string",entry.first,

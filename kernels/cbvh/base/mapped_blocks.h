@@ -4,7 +4,7 @@
 #pragma once
 
 /* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because opening would
- * otherwise read the whole file. Code that reads more than a block's header must call isBlockValid first. */
+ * otherwise read the whole file. Code that reads a block must call isBlockValid first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"

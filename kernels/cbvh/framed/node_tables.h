@@ -23,11 +23,11 @@ namespace embree
 
       float latticeOuter[32]; //!< latticeOuter() of leaf/format.h
 
-      /*! [corner][4 leaf]: index of the corner's height among the nine heights of a lattice, the middle one last. The
-       *  other three bytes of each lane are 0x80, so that byte shuffles return integers. */
+      /*! [corner][4*leaf]: index of the corner's height among the nine heights of a lattice, the middle one last. Bytes
+       *  in between are 0x80, so that byte shuffles return integers. */
       alignas(16) uint8_t latticeCorner[4][16];
 
-      /*! Expand each bit of a mask of four to four bits: only the lowest is set, or all are. */
+      /*! Expand each of four mask bits to four bits: to the lowest only, or to all. */
       uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();

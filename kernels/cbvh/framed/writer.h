@@ -4,7 +4,7 @@
 #pragma once
 
 /* Writer of the paper's representations: divides patches of a cage into blocks with frames (tiling.h), encodes them,
- * and appends them to a store. Blocks that cannot be compressed become Embree's grids. Each task owns a writer. */
+ * and appends them to a store. Each task owns a writer. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -19,8 +19,8 @@ namespace embree
     class FramedWriter
     {
     public:
-      /*! If plan.sharesBorders(), borders have the vertices that faces share (surface/shared_border.h), and write() may
-       *  return false. The arguments must outlive the writer. */
+      /*! If plan.sharesBorders(), faces share the vertices of borders (surface/shared_border.h), and write() may return
+       *  false. The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           unsharedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
@@ -56,7 +56,7 @@ namespace embree
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
-        /* holes: quads with vertices that are not finite, which nodes and most kinds of leaves cannot leave out */
+        /* holes: quads with vertices that are not finite */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bounds(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
@@ -72,7 +72,7 @@ namespace embree
         }
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
-        /* two per quad on the border, because its leaves divide the quad */
+        /* up to two per quad on the border: a block of one quad has four leaves */
         const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
         for (size_t k=0; k<count; k++) {
           /* in diagonal order, so that the first blocks are a sample of the patch */
@@ -93,8 +93,8 @@ namespace embree
         return true;
       }
 
-      /*! Returns the vertices of the last patch as its face evaluates them, before borders were shared; null if they
-       *  were evaluated with another number of quads. Requires plan.sharesBorders(). */
+      /*! Returns the vertices of the last patch before borders were shared, or null if they were evaluated with another
+       *  number of quads. Requires plan.sharesBorders(). */
       const float (*evaluatedVertices (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
         return isEvaluated ? (const float(*)[3])unsharedVertices.data() : nullptr;
@@ -126,7 +126,7 @@ namespace embree
         }
       };
 
-      /*! Sets patchVertices, isStitched and, if borders are shared, `unsharedVertices`. */
+      /*! Evaluates a patch, shares its borders if `shares`, and spreads them. */
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
@@ -152,7 +152,7 @@ namespace embree
 
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
 
-      /*! Copies the vertices of a block, and sets the corners to which its frame is aligned. */
+      /*! Sets `vertices` and tiled.corners, and resizes `scratch`. */
       void loadBlock (TiledBlock& tiled)
       {
         const size_t w = tiled.width();
@@ -175,9 +175,8 @@ namespace embree
         return finite;
       }
 
-      /*! Encodes a block to `block`, and sets its bounds in `blocks`. If the kind cannot represent the quads, writes a
-       *  grid or a block of cGRID to the store instead. Writes nothing if the quads are invalid or the patch becomes
-       *  cVERT. */
+      /*! Encodes a block to `block`, and sets its bounds in `blocks`. If the kind cannot represent the quads, writes
+       *  them to the store as GRID or cGRID instead. Writes nothing if they are invalid or the patch becomes cVERT. */
       void writeBlock (const CagePatch& patch, TiledBlock& tiled, cbvh::Block* block,
                        cbvh::BuildStatistics& patchStatistics, cbvh::WorldBounds& patchHitBounds)
       {
@@ -215,7 +214,7 @@ namespace embree
         }
 
         cbvh::BlockStatistics blockStatistics;
-        blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need no test
+        blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need not be measured
         encoder.encode(block,tiled.x,tiled.y,blockStatistics,tiled.sharpSides);
         block->surface = patch.surfaceNumber;
         block->primID = patch.primID;
@@ -255,7 +254,7 @@ namespace embree
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
       std::vector<BBox3fa> blocks;   //!< bounds by position in the tiling; empty for blocks that were not encoded
-      mvector<float> unsharedVertices; //!< vertices as the patch's face evaluates them
+      mvector<float> unsharedVertices; //!< see evaluatedVertices()
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or one block of boundedFrameLevel()

@@ -16,7 +16,7 @@ namespace embree
     /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26, because two lanes are stored at a time. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26: 25, stored two at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Lower and upper planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on
@@ -59,7 +59,7 @@ namespace embree
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
       /*! First of the 16 slots of a block's groups. If a slot's key differs, the caller must fill the slot and set its
-       *  key. 32: one slot per 512/16 bytes of block. */
+       *  key. 32: 512 bytes per 16 groups. */
       static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
@@ -100,12 +100,12 @@ namespace embree
       CellCoordinates corners;         //!< corners of the groups
     };
 
-    /*! Data of a segment that groups share: boxes at both ends. VertAxes::origin is unused. */
+    /*! Data of a segment that its groups share. VertAxes::origin is unused. */
     struct SegmentBoxes : public VertAxes
     {
       uint32_t lanes;            //!< mask of lanes with a group
       SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< of the block
+      float origins[2][3];       //!< by end
       GroupPlanes ends[2][3];    //!< by end and axis
       StepCells steps[2];        //!< undefined for a raw step
     };
@@ -118,7 +118,7 @@ namespace embree
     };
 
     /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and of a group, with a SegmentKey `key`.
-     *  blockBytes, groupBytes: bytes of memory per slot, see slotOfBlock. */
+     *  blockBytes, groupBytes: arguments of slotOfBlock. */
     template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
     class SegmentEntries
     {
@@ -143,7 +143,7 @@ namespace embree
       CacheEntries<Group,numGroups> groups;
     };
 
-    /* 323 is odd: otherwise blocks at distances of a power of two would share few entries. */
+    /* 323 is odd, so that blocks at distances of a power of two use all entries. */
     typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;

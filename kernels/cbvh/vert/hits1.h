@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Exact tests of a group's triangles that mayContain (rule.h) accepted, and reports of their hits, which apply masks
- * and filter functions (base/epilogues.h). */
+/* Exact tests of a group's triangles that mayContain (rule.h) accepted. Hits are reported through base/epilogues.h. */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -70,8 +69,8 @@ namespace embree
                                        const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits in group g, nearest first, until one is accepted. Returns true if one was. triangles: of
-         *  groupTrianglesHitByLine; the mask must not be 0. */
+        /*! Reports hits in group g until one is accepted, nearest first if the target needs their data. Returns true if
+         *  one was. triangles.mask must not be 0. */
         template<typename Triangles>
         __forceinline bool report (uint32_t g, const Triangles& triangles)
         {
@@ -91,7 +90,7 @@ namespace embree
         }
 
       private:
-        /*! Reports hits in any order, without distance, normal and (u,v). */
+        /*! Reports hits in any order, without their data. */
         template<typename Triangles>
         __forceinline bool reportAny (uint32_t g, const Triangles& triangles)
         {
@@ -110,7 +109,7 @@ namespace embree
           return false;
         }
 
-        /*! report() for several triangles. A rejected hit requires the next one, so all distances come first. */
+        /*! report() for several triangles. Computes all distances first: a filter may reject the nearest hit. */
         bool reportNearest (uint32_t g, uint32_t triangles)
         {
           float t[32];

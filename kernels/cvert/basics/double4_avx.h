@@ -71,7 +71,6 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }
 
-  /* Minimum and maximum over all lanes. */
   inline double reduceMin(Double4 a) {
     const __m128d m = _mm_min_pd(_mm256_castpd256_pd128(a.v),_mm256_extractf128_pd(a.v,1));
     return _mm_cvtsd_f64(_mm_min_sd(m,_mm_unpackhi_pd(m,m)));

@@ -20,15 +20,15 @@ namespace cvert { inline namespace CVERT_ISA
    *  may reduce it. */
   static constexpr double spacingPerEdge = 1.0/36;
 
-  /*! Faces with fewer quads along an edge have a proportionally finer spacing: they are as large in a picture, and
-   *  consist mostly of headers. */
+  /*! Faces with fewer quads along an edge have a proportionally finer spacing: their quads are larger in a picture, and
+   *  their bytes mostly headers. */
   static constexpr unsigned fullSpacingQuads = 16;
 
   /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
    *  geometry. For objects of few, large quads. */
   static constexpr double spacingPerDiagonal = 1.0/32768;
 
-  /*! Lower bound of the spacing by the diagonal, as a fraction of the edge: residuals must fit into a cell. */
+  /*! Lower bound of that spacing, as a fraction of the edge: residuals must fit into their fields. */
   static constexpr double minSpacingPerEdge = 1.0/96;
 
   /*! Spacing for an application's grids. On slopes of up to 45 degrees, rays that start 1/200 of an edge above the
@@ -61,13 +61,13 @@ namespace cvert { inline namespace CVERT_ISA
   struct WorldLattice
   {
     float spacing;   //!< 0 for exactLattice
-    float reciprocal, limit; //!< of the spacing; larger floats are points of the lattice
+    float reciprocal, limit; //!< 1/spacing; floats of at least `limit` are lattice points
 
     explicit WorldLattice (int exponent)
       : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
         limit(exponent == exactLattice ? 0.0f : powerOfTwo(std::min(exponent+floatBits,127))) {}
 
-    /*! Requires a normal float. */
+    /*! exponent: -126 to 127. */
     static float powerOfTwo (int exponent) { return floatOfBits(uint32_t(exponent+127) << 23); }
 
     /*! Rounds to the nearest multiple, halves to even. Keeps NaN and infinity. */
@@ -89,7 +89,7 @@ namespace cvert { inline namespace CVERT_ISA
                        : minLatticeExponent;
   }
 
-  /*! Lengths of quad edges along three lines of a face's vertices, to choose the face's spacing. */
+  /*! Edge lengths along lines of vertices, and bounds of the vertices, to choose a spacing. */
   class EdgeSample
   {
   public:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of leaves of cLEAF (block_encoder.h): groups of 2 x 2 cells (format.h), four at a time (lattice_lanes.h) if
- * possible, otherwise one by one (group_encoder.h). */
+/* Encodes groups of cLEAF (format.h) for block_encoder.h: four at a time (lattice_lanes.h) if possible, otherwise one
+ * by one (group_encoder.h). */
 
 #include "../block_geometry.h"
 #include "group_encoder.h"
@@ -73,7 +73,7 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! Returns bits of BlockHeader::info: the code of the smallest width not less than `width`, at most 15. */
+      /*! Returns bits of BlockHeader::info: the smallest code, up to 15, whose width is at least `width`. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -82,7 +82,7 @@ namespace embree
       }
 
     private:
-      /*! Stores an encoded group and measures its leaves. Returns its word. */
+      /*! Stores a group and measures its leaves. Returns the group's word. */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;
@@ -158,7 +158,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< of all groups
+      double borderWidth = 0;  //!< largest so far
     };
   }}
 }

@@ -17,17 +17,17 @@ namespace embree
     /*! Smallest width of a cell relative to the group: limits extrapolation of its patch. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! Distance of the surface from vertices at which the fit ends, in bins. Small against the half bin of rounding. */
+    /*! Distance from vertices, in bins, at which the fit ends: small compared to rounding by half a bin. */
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitIterations = 16; //!< of fitLattice()
 
-    /*! A surface that is piecewise bilinear over 3 x 3 heights, not rounded. */
+    /*! A surface that is piecewise bilinear over 3 x 3 heights. */
     struct Lattice
     {
       double planes[2][3]; //!< [axis]: lower, middle and upper plane
       double z[9];         //!< heights where planes cross, row by row
 
-      struct Position { int corner; double u, v; }; //!< the cell's lower vertex, and position in the cell, 0 to 1
+      struct Position { int corner; double u, v; }; //!< the cell's first height; position in the cell, 0 to 1
 
       Position locate(double x, double y) const {
         return positionInCell(x >= planes[0][1],y >= planes[1][1],x,y);
@@ -103,7 +103,7 @@ namespace embree
     };
 
     /*! Adds the codes of an axis's planes to `word`, and sets `planes` to the decoded ones. Outer planes keep
-     *  containmentSlack to all vertices; the middle plane is nearest to the mean of its vertices. Returns false if a
+     *  containmentSlack from all vertices; the middle plane is nearest to the mean of its vertices. Returns false if a
      *  cell is too narrow, or if a vertex on the block's border is not in the cells of that side, where the intersector
      *  searches for it. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
@@ -180,8 +180,8 @@ namespace embree
       }
     };
 
-    /*! First step of raising the surface by `slack` above the edges of a side: raises each height until the surface is
-     *  above its vertex. */
+    /*! First step of raising the surface to `slack` above the edges of a side: raises each height by the deficit at its
+     *  vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       for (int v : side.vertex) {
@@ -193,7 +193,7 @@ namespace embree
     /*! Second step: raises all heights of the side together. Returns false if that moves the surface too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
-      /* raising a height also raises the surface next to it; quads that need more should be separate leaves */
+      /* limited, because the rest of the surface rises, too; separate leaves are then better */
       const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int iteration=0; ; iteration++) {
@@ -223,7 +223,7 @@ namespace embree
       uint64_t bits = 0;
       for (int v=0; v<9; v++)
         if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
-      /* Copies are 7 bits apart and do not overlap; bit i of copy i is bit 8i+7. */
+      /* Copies of the 7 bits do not overlap; bit i of copy i is bit 8i+7. */
       const uint64_t copies = 0x0002040810204081u << 7;
       bits |= uint64_t(heights[4])*copies & 0x0080808080808080u;
       return { uint32_t(bits), uint32_t(bits >> 32) };
