@@ -8,12 +8,14 @@
 #   - on a minimal Debian, apt installs them and our programs run;
 #   - on another one, scripts/demo.sh renders with their program instead of building it, if the packages were built from
 #     the committed state;
-#   - on a Debian with Debian's Embree, and Blender, Open3D and Embree's tutorials, they replace Debian's packages,
+#   - on a Debian 12 with Debian's Embree, and Blender, Open3D and Embree's tutorials, they replace Debian's packages,
 #     the other programs stay installed, and their results are identical.
 #
-#   packages.sh DIRECTORY-OF-PACKAGES DIRECTORY-FOR-ROOTS
+#   packages.sh DIRECTORY-OF-PACKAGES DIRECTORY-FOR-ROOTS [bookworm|trixie]
+#
+# The last argument is the release on which the packages were built, by default bookworm, Debian 12.
 set -eu
-packages=$(cd "$1" && pwd) roots=$2
+packages=$(cd "$1" && pwd) roots=$2 suite=${3:-bookworm}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
 fail() { echo "FAILED: $*" >&2; exit 1; }
@@ -26,15 +28,16 @@ trap release EXIT
 # make ROOT: creates a root file system with debootstrap, from the mirror of this machine
 make() {
   root=$roots/$1
-  if [ ! -d "$roots/base" ]; then
+  base=$roots/base-$suite
+  if [ ! -d "$base" ]; then
     mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
       sort -u | head -n 1)
-    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" ||
+    debootstrap --variant=minbase "$suite" "$base.part" "$mirror" > "$roots/log" ||
       { tail "$roots/log"; fail "debootstrap"; }
-    mv "$roots/base.part" "$roots/base"
+    mv "$base.part" "$base"
   fi
   rm -rf --one-file-system "$root"
-  cp -a "$roots/base" "$root"
+  cp -a "$base" "$root"
   cp /etc/resolv.conf "$root/etc/"
   mkdir -p "$root/root/packages" "$root/root/clients"
   cp "$packages"/*.deb "$root/root/packages/"
@@ -86,6 +89,8 @@ inside /root/embree-cbvh/scripts/demo.sh --short > "$roots/log" 2>&1 ||
 grep 'and is used$' "$roots/log" || { grep 'is not used' "$roots/log"; fail "the demo does not use the packages"; }
 
 # --- a system with Debian's packages ---------------------------------------------------------------
+
+[ "$suite" = bookworm ] || { echo "$suite has no Embree 3 that our packages replace"; exit 0; }
 
 # run FOLDER: stores the results of each client
 run() {
