@@ -264,7 +264,7 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 /* --- triangles -------------------------------------------------------------------------- */
 
 /* Returns a mask of the triangles that the ray's line may pass through, from either side. */
-uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear)
+uint cbvhCandidateMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear)
 {
   uint mask = 0u, t = 0u;
   uint missing = 3u; // entries until triangle t is complete
@@ -276,7 +276,7 @@ uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRa
     c = cbvhSheared(shear, ray.org, cbvhStreamVertex(block, group, i));
     missing--;
     if (missing == 0u) {
-      if (mayContain(cbvhSide(b, c), cbvhSide(c, a), cbvhSide(a, b))) mask |= 1u << t;
+      if (mayContain(cbvhEdgeSide(b, c), cbvhEdgeSide(c, a), cbvhEdgeSide(a, b))) mask |= 1u << t;
       t++;
       missing = ((group.restarts >> (t & 31u)) & 1u) != 0u ? 3u : 1u;
     }
@@ -294,8 +294,8 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
 }
 
 /* Tests triangle t exactly. */
-bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
-                          inout CbvhHit hit, inout CbvhVertNearest nearest)
+bool cbvhIntersectMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
+                                inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   StripTriangle entries = stripTriangle(group.restarts, group.fans,
                                         cbvhMeshBits(block, group.firstCorners + 2u*t, 2u), t);
@@ -307,7 +307,7 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
   }
   TriangleKey key = TriangleKey(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
   CbvhVertHit at;
-  if (!cbvhHitsTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
+  if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
   uint number = cbvhMeshNumber(block, group.g, t);
   float u = clampParameter(at.sides.w1/at.sides.sum), v = clampParameter(at.sides.w2/at.sides.sum);
   if (isSecondOfQuad(block.info, number)) {
@@ -345,12 +345,12 @@ bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
     if (cbvhMeshEntries[g] <= hit.t)
     {
       CbvhMeshGroup group = cbvhMeshGroup(block, g);
-      uint triangles = cbvhMeshTriangles(block, group, ray, shear);
+      uint triangles = cbvhCandidateMeshTriangles(block, group, ray, shear);
       while (triangles != 0u)
       {
         uint t = uint(findLSB(triangles));
         triangles &= triangles - 1u;
-        if (cbvhHitMeshTriangle(block, group, ray, shear, t, hit, nearest)) {
+        if (cbvhIntersectMeshTriangle(block, group, ray, shear, t, hit, nearest)) {
           found = true;
           if (anyHit) triangles = groups = 0u;
         }

@@ -14,9 +14,9 @@
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
                       const bool moves)
 {
-  if (moves) return cbvhVerticesNow[5*j + i];
-  if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
-  return cbvhWorldVertex(block, block.first, gx, gy, i, j, vertexOfRow(block.at, cell, row, i, j));
+  if (moves) return cbvhVerticesAtTime[5*j + i];
+  if (block.hasRaw) return cbvhRawVertex(block, block.firstStep, gx, gy, i, j);
+  return cbvhWorldVertex(block, block.firstStep, gx, gy, i, j, vertexOfRow(block.at, cell, row, i, j));
 }
 
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int i, int j, const bool moves) {
@@ -26,8 +26,8 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 /* --- triangles ------------------------------------------------------------------------- */
 
 /* Returns a mask of the triangles that the ray's line may pass through: bits 2q and 2q + 1 for quad q of the group. */
-uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
-                    const bool moves)
+uint cbvhCandidateTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx,
+                             uint gy, const bool moves)
 {
   uint mask = 0u;
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
@@ -48,9 +48,9 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
     }
     if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0)))))
     [[unroll]] for (int i = 0; i < 4; i++) {
-      float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]),
-            bottom = cbvhSide(below[i], below[i + 1]);
-      float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
+      float diag = cbvhEdgeSide(below[i + 1], row[i]), left = cbvhEdgeSide(row[i], below[i]),
+            bottom = cbvhEdgeSide(below[i], below[i + 1]);
+      float right = cbvhEdgeSide(below[i + 1], row[i + 1]), top = cbvhEdgeSide(row[i + 1], row[i]);
       uint bit = 2u*uint(4*j + i);
       if (mayContain(diag, left, bottom)) mask |= 1u << bit;
       if (mayContain(right, top, -diag)) mask |= 2u << bit;
@@ -64,23 +64,24 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, Cb
   return mask;
 }
 
-/* Tests triangle h of group gx, gy exactly; h is numbered as the bits of cbvhTriangles. */
-bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
-                      uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
+/* Tests a triangle of group gx, gy exactly. triangle: a bit of cbvhCandidateTriangles. */
+bool cbvhIntersectTriangleOfGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx,
+                                   uint gy, uint triangle, const bool moves, inout CbvhHit hit,
+                                   inout CbvhVertNearest nearest)
 {
-  int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
+  int i = int(quadXOfTriangle(triangle)), j = int(quadYOfTriangle(triangle));
   vec3 vertices[3];
   [[unroll]] for (int v = 0; v < 3; v++) {
-    int corner = int(cornerOfTriangle(h, v));
+    int corner = int(cornerOfTriangle(triangle, v));
     vertices[v] = cbvhGroupVertex(block, cell, gx, gy, i + (corner & 1), j + (corner >> 1), moves);
   }
   vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   uint lane = gx + 4u*gy;
-  TriangleKey key = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
+  TriangleKey key = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + triangle);
   CbvhVertHit at;
-  if (!cbvhHitsTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
-  SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(at.sides, (h & 1u) != 0u));
+  if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
+  SurfacePoint point = surfacePoint(block.at, lane, triangle, positionInQuad(at.sides, (triangle & 1u) != 0u));
   cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, key.geomID);
   return true;
 }
@@ -92,8 +93,8 @@ uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
 }
 
 /* Returns a mask of the groups of a static block whose boxes the ray hits: bit (x + 4y) ^ mirror for group x, y. */
-uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
-                 float tfar, uint mirror)
+uint cbvhIntersectGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert,
+                          CbvhVertAxes axes, float tfar, uint mirror)
 {
   uint groups = 0u;
   if (block.hasRaw) {
@@ -125,12 +126,12 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   bool found = false;
-  uint triangles = cbvhTriangles(block, cell, ray, shear, gx, gy, moves);
+  uint triangles = cbvhCandidateTriangles(block, cell, ray, shear, gx, gy, moves);
   while (triangles != 0u)
   {
-    uint h = uint(findLSB(triangles));
+    uint triangle = uint(findLSB(triangles));
     triangles &= triangles - 1u;
-    if (!cbvhHitTriangle(block, cell, ray, shear, gx, gy, h, moves, hit, nearest)) continue;
+    if (!cbvhIntersectTriangleOfGroup(block, cell, ray, shear, gx, gy, triangle, moves, hit, nearest)) continue;
     found = true;
     if (anyHit) triangles = 0u;
   }
@@ -147,14 +148,14 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
   CodedCell first = cbvhNoCell();
   if (!block.hasRaw) {
-    ShearedBounds bounds = boundsAtBegin(block.first);
-    axes = cbvhVertAxes(block.info, cbvhOrigin(block.first), extentOfBounds(bounds), ray, vert);
+    ShearedBounds bounds = boundsAtBegin(block.firstStep);
+    axes = cbvhVertAxes(block.info, cbvhOrigin(block.firstStep), extentOfBounds(bounds), ray, vert);
     if (!cbvhIntersectsBounds(ray, vert, axes, bounds, vec3(0.0), hit.t)) return false;
-    first = firstCell(block.first, block.region);
+    first = firstCell(block.firstStep, block.region);
   }
-  vec3 spacing = cbvhSpacing(block.first);
+  vec3 spacing = cbvhSpacing(block.firstStep);
   uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
-  uint groups = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
+  uint groups = cbvhIntersectGroups(block, first, ray, vert, axes, hit.t, mirror);
   bool found = false;
   while (groups != 0u && !(anyHit && found))
   {
@@ -183,9 +184,9 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, 
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
   vec3 slack = vec3(0.0);
   if (!block.hasRaw) {
-    axes = cbvhAxesNow(segment, ray, vert);
+    axes = cbvhAxesAtTime(segment, ray, vert);
     slack = cbvhMotionSlack(segment, axes);
-    if (!cbvhIntersectsBlockNow(segment, ray, vert, axes, slack, hit.t)) return false;
+    if (!cbvhIntersectsBlockAtTime(segment, ray, vert, axes, slack, hit.t)) return false;
   }
   cbvhDecodeCorners(block, segment);
   uint mirror = 0u;
@@ -200,7 +201,7 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, 
   {
     uint lane = i ^ mirror, gx = lane & 3u, gy = lane >> 2;
     if (gx >= block.groupsX || gy >= block.groupsY) continue;
-    if (!block.hasRaw && !cbvhIntersectsGroupNow(block, segment, ray, vert, axes, slack, hit.t, gx, gy)) continue;
+    if (!block.hasRaw && !cbvhIntersectsGroupAtTime(block, segment, ray, vert, axes, slack, hit.t, gx, gy)) continue;
     cbvhDecodeGroup(block, segment, gx, gy);
     if (cbvhTraceGroup(block, cbvhNoCell(), ray, shear, gx, gy, anyHit, true, hit, nearest)) found = true;
   }

@@ -88,9 +88,9 @@ bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay 
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
   for (int k = 0; k < 3; k++) {
-    uint margins = byteAt(block.at, block.first.margins + uint(k)*block.groups + g);
+    uint margins = byteAt(block.at, block.firstStep.margins + uint(k)*block.groups + g);
     interval = cbvhClippedByPlanes(interval, ray, vert, axes,
-                                   planesOfGroup(block.first, axes.info, c00, c10, c01, c11, margins, k), k);
+                                   planesOfGroup(block.firstStep, axes.info, c00, c10, c01, c11, margins, k), k);
   }
   return interval.from <= interval.to;
 }
@@ -102,9 +102,9 @@ bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertR
   VertLayout offsets = vertLayout(block.region, block.info);
   for (int k = 0; k < 3; k++) {
     BoxPlanes planes = rawPlanesOfGroup(block.at, offsets, g, k);
-    float highest = block.first.origin[k];
+    float highest = block.firstStep.origin[k];
     for (uint i = 0u; i < block.groups; i++) highest = max(highest, rawPlanesOfGroup(block.at, offsets, i, k).upper);
-    float slack = boxSlack(ray.org[k], block.first.origin[k], highest - block.first.origin[k]);
+    float slack = boxSlack(ray.org[k], block.firstStep.origin[k], highest - block.firstStep.origin[k]);
     interval = clipInterval(interval, (planes.lower - ray.org[k]) - slack, (planes.upper - ray.org[k]) + slack,
       vert.rcp[k]);
   }

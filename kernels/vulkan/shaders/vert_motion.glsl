@@ -20,7 +20,7 @@ struct CbvhSegment
 /* Coordinates of the first cell's vertices, the groups' corners, at both steps, row by row. */
 ivec3 cbvhCornersAtEnds[2][cellVertices];
 /* Vertices of the current group at the ray's time, row by row. */
-vec3 cbvhVerticesNow[cellVertices];
+vec3 cbvhVerticesAtTime[cellVertices];
 
 /* Interpolates with a fixed sequence of roundings. */
 float cbvhBetween (float a, float b, float fraction)
@@ -43,7 +43,7 @@ bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment seg
   if (!isPresent(motion, time)) return false;
   TimeInMotion place = timeInMotion(motion, time);
   segment.fraction = clamp(place.fraction, 0.0, 1.0); // division on devices is inexact
-  segment.begin = block.first;
+  segment.begin = block.firstStep;
   if (place.segment > 0u) segment.begin = viewOfLaterStep(block.at, block.region, place.segment);
   segment.end = viewOfLaterStep(block.at, block.region, place.segment + 1u);
   block.hasRaw = isRaw(segment.begin.info) || isRaw(segment.end.info);
@@ -74,13 +74,13 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
       if (isRotated && field >= 0)
-        corner += rotateResidual(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
+        corner += rotateResidual(step_, residualOfField(block.at, block.firstStep.word, block.firstStep.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
   }
 }
 
-/* Sets cbvhVerticesNow. Requires cbvhDecodeCorners. */
+/* Sets cbvhVerticesAtTime. Requires cbvhDecodeCorners. */
 void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy)
 {
   uint g = gy*block.groupsX + gx;
@@ -97,8 +97,8 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
                          cbvhCornersAtEnds[e][c + 5], cbvhCornersAtEnds[e][c + 6]);
     }
     if (isRotated) {
-      firstWord = wordOfGroup(block.first, g);
-      firstFields = fieldsOfGroup(block.first, g);
+      firstWord = wordOfGroup(block.firstStep, g);
+      firstFields = fieldsOfGroup(block.firstStep, g);
     }
     [[dont_unroll]] for (int v = 0; v < cellVertices; v++)
     {
@@ -111,15 +111,15 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
           vertex += rotateResidual(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
-      if (e == 0) cbvhVerticesNow[v] = at;
-      else cbvhVerticesNow[v] = cbvhBetween(cbvhVerticesNow[v], at, segment.fraction);
+      if (e == 0) cbvhVerticesAtTime[v] = at;
+      else cbvhVerticesAtTime[v] = cbvhBetween(cbvhVerticesAtTime[v], at, segment.fraction);
     }
   }
 }
 
 /* --- boxes, unless a step is raw ------------------------------------------------------- */
 
-CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert)
+CbvhVertAxes cbvhAxesAtTime (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   uint info = segment.begin.info;
   float extent = max(extentOfBounds(boundsAtBegin(segment.begin)), extentOfBounds(boundsAtEnd(segment.end, info)));
@@ -140,8 +140,8 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   return slack;
 }
 
-bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
-                             float tfar)
+bool cbvhIntersectsBlockAtTime (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
+                                vec3 slack, float tfar)
 {
   ShearedBounds bounds = interpolateBounds(boundsAtBegin(segment.begin), boundsAtEnd(segment.end, axes.info),
                                            segment.fraction);
@@ -149,9 +149,8 @@ bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertR
 }
 
 /* Tests the box of a group at the ray's time. Requires cbvhDecodeCorners. */
-bool cbvhIntersectsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
-  CbvhVertAxes axes,
-                        vec3 slack, float tfar, uint gx, uint gy)
+bool cbvhIntersectsGroupAtTime (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
+                                CbvhVertAxes axes, vec3 slack, float tfar, uint gx, uint gy)
 {
   int c = 5*int(gy) + int(gx), m = shearedAxis(axes.info);
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -40,7 +40,7 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
   return at;
 }
 
-float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
+float cbvhEdgeSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
 {
@@ -73,8 +73,8 @@ struct CbvhVertHit
 
 /* Returns true and sets `nearest` if the ray hits the triangle before tfar, the distance of the nearest hit of any
  * kind, or at the distance of `nearest` and before it in the order of keys. */
-bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
-                        inout CbvhVertNearest nearest, out CbvhVertHit at)
+bool cbvhIntersectTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
+                            inout CbvhVertNearest nearest, out CbvhVertHit at)
 {
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   at.sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);

@@ -15,7 +15,7 @@ struct CbvhVertBlock
   uint geomID;
   uint region, info;
   uint groupsX, groupsY, groups, quadsX, quadsY;
-  StepView first;                       // view of step 0
+  StepView firstStep;
   bool hasRaw;                          // a step at the ray's time is raw
 };
 
@@ -32,7 +32,7 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
   block.groupsX = offsets.groupsX;
   block.groupsY = offsets.groupsY;
   block.groups = offsets.groups;
-  block.first = viewOfFirstStep(block.at, offsets);
+  block.firstStep = viewOfFirstStep(block.at, offsets);
   block.hasRaw = isRaw(block.info);
   return block;
 }
@@ -54,7 +54,7 @@ CodedCell cbvhNoCell ()
 CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
 {
   int i = int(gx), j = int(gy);
-  return cellOfGroup(block.first, block.region, gx, gy, fieldsOfGroup(block.first, gy*block.groupsX + gx),
+  return cellOfGroup(block.firstStep, block.region, gx, gy, fieldsOfGroup(block.firstStep, gy*block.groupsX + gx),
                      vertexOfCell(block.at, first, i, j), vertexOfCell(block.at, first, i + 1, j),
                      vertexOfCell(block.at, first, i, j + 1), vertexOfCell(block.at, first, i + 1, j + 1));
 }
