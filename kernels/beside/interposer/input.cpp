@@ -88,8 +88,8 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   }
   result.steps = steps.data();
   result.numSteps = numTimeSteps;
-  result.begin = begin;
-  result.end = end;
+  result.begin = startTime;
+  result.end = endTime;
   return result;
 }
 

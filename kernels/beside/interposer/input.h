@@ -32,7 +32,7 @@ struct Input
   RTCGeometry original;
   void* const* userData;         // points to the application's user data, for displacement
   unsigned int numTimeSteps = 1;
-  float begin = 0, end = 1;      // time range
+  float startTime = 0, endTime = 1;
   float tessellationRate = 2;
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
   RTCDisplacementFunctionN displacement = nullptr;

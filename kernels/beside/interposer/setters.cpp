@@ -118,7 +118,7 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
 RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime)
 {
   REAL(rtcSetGeometryTimeRange)(geometry, startTime, endTime);
-  changeInput(geometry, [&](Input& input) { input.begin = startTime; input.end = endTime; });
+  changeInput(geometry, [&](Input& input) { input.startTime = startTime; input.endTime = endTime; });
 }
 
 RTC_API void rtcSetGeometryTessellationRate(RTCGeometry geometry, float tessellationRate)

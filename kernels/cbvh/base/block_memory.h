@@ -27,9 +27,9 @@ namespace embree
       /*! Embree's allocator, for builders that require it. Null after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
-      /*! Allocates with the alignment of blocks. The second argument, an alignment, only makes the signature that of
-       *  Embree's allocators. Thread-safe. Throws if out of memory, or if the application's memory monitor refuses. */
-      void* operator() (size_t bytes, size_t = 0);
+      /*! Allocates with the alignment of blocks. Thread-safe. Throws if out of memory, or if the application's memory
+       *  monitor refuses. */
+      void* allocate (size_t bytes);
 
       /*! Must be called after the last allocation: detaches the threads from Embree's allocator. */
       void detachThreads ();

@@ -21,12 +21,12 @@ namespace embree
     /*! Rounds outwards to floats, so that the box still contains the bounds. */
     inline BBox3fa toBBox (const cbvh::WorldBounds& b)
     {
-      auto below = [](double x) {
+      auto roundDown = [](double x) {
         const float f = float(x);
         return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity());
       };
-      return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),
-                     Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+      return BBox3fa(Vec3fa(roundDown(b.lower[0]),roundDown(b.lower[1]),roundDown(b.lower[2])),
+                     Vec3fa(-roundDown(-b.upper[0]),-roundDown(-b.upper[1]),-roundDown(-b.upper[2])));
     }
 
     class BlockStore
@@ -72,7 +72,7 @@ namespace embree
           const size_t begin = pending[i].offset;
           for (next=i+1; next<pending.size() && pending[next].offset-begin < maxPieceBytes; next++);
           const size_t size = (next < pending.size() ? pending[next].offset : used) - begin;
-          char* piece = (char*)(*memory)(size+pending[next-1].readPast);
+          char* piece = (char*)memory->allocate(size+pending[next-1].readPast);
           memcpy(piece,bytes.data()+begin,size);
           for (size_t k=i; k<next; k++)
             addPrimitive(pending[k].bounds,

@@ -34,7 +34,7 @@ namespace embree
         BBox3fa bounds;
         const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0),
           uncompressedBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1);
-        void* memory = (*store.memory)(offsetof(GridSOA,data)+bvhBytes+uncompressedBytes+sizeof(BVH4::NodeRef));
+        void* memory = store.memory->allocate(offsetof(GridSOA,data)+bvhBytes+uncompressedBytes+sizeof(BVH4::NodeRef));
         GridSOA* soa = new (memory) GridSOA(&patch,1,x0,x1,y0,y1,patch.grid_u_res,patch.grid_v_res,mesh,bvhBytes,
                                             uncompressedBytes,&bounds);
         statistics.sums.uncompressedBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);

@@ -10,7 +10,7 @@
 
 /*! _mm_shuffle_epi8, _mm_mullo_epi32 and _mm_insert_epi32 are available. */
 #if defined(__SSE4_1__) || defined(__ARM_NEON)
-#define CBVH_BYTE_SHUFFLES
+#define CBVH_SSE41_INTEGERS
 #endif
 
 /*! _mm_srlv_epi32 and _mm_sllv_epi32 are available. Both return 0 for a count of 32. */

@@ -135,7 +135,7 @@ namespace embree
         /*! _mm_shuffle_epi8 for controls that select only the lowest byte of each lane. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
-#if defined(CBVH_BYTE_SHUFFLES)
+#if defined(CBVH_SSE41_INTEGERS)
           return _mm_shuffle_epi8(bytes,_mm_load_si128((const __m128i*)control));
 #else
           alignas(16) uint8_t b[16];

@@ -119,7 +119,7 @@ namespace embree
       allocator->init_estimate(bytes);
     }
 
-    void* BlockMemory::operator() (size_t bytes, size_t)
+    void* BlockMemory::allocate (size_t bytes)
     {
       if (allocator) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
       device->memoryMonitor(ssize_t(bytes),false);

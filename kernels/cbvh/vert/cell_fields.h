@@ -53,7 +53,7 @@ namespace embree
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
           }
 #else
-#if defined(CBVH_BYTE_SHUFFLES)
+#if defined(CBVH_SSE41_INTEGERS)
           if (likely(start == 0 && VertTables::hasWindows(bits))) {
             const VertTables::Windows& windows = vertTables.windows[bits];
             if (likely(bits <= VertTables::maxBitsOfFour)) {
@@ -80,7 +80,7 @@ namespace embree
         }
 
       private:
-#if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
+#if defined(CBVH_SSE41_INTEGERS) && !defined(__AVX512F__)
         /*! Selects bytes from window i. */
         static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int i,
                                            const uint8_t (*control)[16]) {

@@ -8,9 +8,9 @@ namespace cvert
   std::string Reason::message () const
   {
     std::string message;
-    int value = 0;
+    int next = 0;
     for (const char* c=text; *c; c++) {
-      if (*c == '%' && value < 2) message += std::to_string(values[value++]);
+      if (*c == '%' && next < 2) message += std::to_string(values[next++]);
       else message += *c;
     }
     return message;

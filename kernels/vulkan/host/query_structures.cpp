@@ -40,18 +40,18 @@ size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStruc
   return requests.size() - 1;
 }
 
-void QueryStructuresBuilder::addInstance(size_t level, const float* transform, const PlacedBoxes& place)
+void QueryStructuresBuilder::addInstance(size_t level, const float* transform, const PlacedBoxes& boxes)
 {
-  if (places.size() >= device.capabilities.maxInstances)
+  if (placed.size() >= device.capabilities.maxInstances)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: "
                       + std::to_string(device.capabilities.maxInstances) + " at most");
   VkAccelerationStructureInstanceKHR instance = {};
   instance.transform = matrixOf(transform);
-  instance.instanceCustomIndex = uint32_t(places.size());
+  instance.instanceCustomIndex = uint32_t(placed.size());
   instance.mask = 0xFF;
   instance.accelerationStructureReference = level;   // index in requests; build() replaces it by an address
   instances.push_back(instance);
-  places.push_back(place);
+  placed.push_back(boxes);
 }
 
 void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics)

@@ -41,10 +41,10 @@ public:
                   const std::function<Bounds(const Bounds&)>& transform);
 
   /* Adds an instance of a level. transform: from the level's space to world space, a 3x4 matrix column by column. */
-  void addInstance(size_t level, const float* transform, const PlacedBoxes& place);
+  void addInstance(size_t level, const float* transform, const PlacedBoxes& boxes);
 
   /* One per instance, in the order of addInstance. */
-  const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
+  const std::vector<PlacedBoxes>& placedBoxes() const { return placed; }
 
   /* Builds all levels that are not reused, and the top level. Sets the statistics of boxes and structures. arena: for
    * the array of instances. */
@@ -58,7 +58,7 @@ private:
   std::vector<LevelRequest> requests;
   std::vector<QueryStructures::LevelID> levelIDs;   // of each level in `requests`
   std::vector<VkAccelerationStructureInstanceKHR> instances;
-  std::vector<PlacedBoxes> places;
+  std::vector<PlacedBoxes> placed;
 };
 
 }} // namespace embree::vulkan

@@ -416,7 +416,7 @@ private:
       QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
       placeBoxes(builder);
       data.placed
-        = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "places of boxes").address();
+        = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "placed boxes").address();
       builder.build(out.arena, out.structures, out.statistics);
       data.topLevel = out.structures.topLevel->address;
     }
