@@ -21,7 +21,7 @@
 namespace embree
 {
   /*! Throws after printing and storing the message, because no device exists yet to report it. */
-  static void invalid (const std::string& name, const std::string& value, const std::string& expected)
+  static void throwInvalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
     std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
@@ -80,11 +80,12 @@ namespace embree
     return keys;
   }
 
-  static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
+  static void throwUnknownKey (const std::string& where, const std::string& key, const std::string& prefix)
   {
     const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
-    invalid(where,key,"unknown key, did you mean " + prefix + nearestName(hasPrefix ? key.substr(prefix.size()) : key,
-                                                                          { std::begin(keys),std::end(keys) }) + "?");
+    const std::string name = hasPrefix ? key.substr(prefix.size()) : key;
+    throwInvalid(where,key,
+                 "unknown key, did you mean " + prefix + nearestName(name,{ std::begin(keys),std::end(keys) }) + "?");
   }
 
   void CompressionSettings::setFrameLevel (const std::string& name, const std::string& value)
@@ -93,7 +94,7 @@ namespace embree
     char* end = nullptr;
     const long n = strtol(value.c_str(),&end,10);
     if (value.empty() || *end != 0 || n < 0 || n > long(cbvh::maxLevel))
-      invalid(name,value,"expected 0 to " + std::to_string(cbvh::maxLevel) + " or auto");
+      throwInvalid(name,value,"expected 0 to " + std::to_string(cbvh::maxLevel) + " or auto");
     frameLevel = int(n);
   }
 
@@ -104,13 +105,13 @@ namespace embree
     stream.imbue(std::locale::classic());
     float e = -1.0f;
     if (!(stream >> e) || !stream.eof() || !std::isfinite(e) || e < 0.0f)
-      invalid(name,value,"expected a distance, 0 or more");
+      throwInvalid(name,value,"expected a distance, 0 or more");
     maxError = e;
   }
 
   static bool parseSwitch (const std::string& name, const std::string& value)
   {
-    if (value != "0" && value != "1") invalid(name,value,"expected 0 or 1");
+    if (value != "0" && value != "1") throwInvalid(name,value,"expected 0 or 1");
     return value == "1";
   }
 
@@ -157,7 +158,7 @@ namespace embree
     if (stream.trySymbol("=")) value = valueText(stream.get());
     const std::string prefix = "cbvh_";
     if (key.compare(0,prefix.size(),prefix) != 0 || !isKey(key.substr(prefix.size())))
-      unknownKey("the device string",key,prefix);
+      throwUnknownKey("the device string",key,prefix);
     set(key,key.substr(prefix.size()),value);
     return true;
   }
@@ -176,11 +177,11 @@ namespace embree
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = preferredCompression;
         else if (!parseKind(key,compression))
-          invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
+          throwInvalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }
       else if (key == "level") setFrameLevel("EMBREE_CBVH level",value);
       else if (isKey(key)) set("EMBREE_CBVH " + key,key,value);
-      else unknownKey("EMBREE_CBVH",item,"");
+      else throwUnknownKey("EMBREE_CBVH",item,"");
     }
   }
 
@@ -196,14 +197,14 @@ namespace embree
     RTCCompression ignored;
     if (!parseSubdivAccel(subdivAccel,compression)) {
       if (lowerCase(subdivAccel).compare(0,4,"cbvh") == 0)
-        invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
+        throwInvalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
     /* Errors only if the string requests compression: Embree ignores unknown keys. */
     for (const auto& entry : unknownKeys)
       if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
-        invalid("the device string",entry.first,
+        throwInvalid("the device string",entry.first,
                 "unknown key, did you mean " + nearestDeviceKey(entry.first) + "?");
 
     if (verbose)

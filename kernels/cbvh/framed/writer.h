@@ -63,7 +63,7 @@ namespace embree
         const uint32_t sharpSides = patch.sharpSides();
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
         encoded.resize(count*stride/sizeof(Vec3fa));
-        blocks.assign(count,BBox3fa(empty));
+        blockBounds.assign(count,BBox3fa(empty));
         cbvh::BuildStatistics patchStatistics;
         cbvh::WorldBounds patchHitBounds;
         if (!hasHoles) { // for speed: nodes inside these bounds need no visit
@@ -88,7 +88,8 @@ namespace embree
         statistics.merge(patchStatistics);
         store.hitBounds.extend(patchHitBounds);
         for (size_t i=0; i<count; i++)
-          if (!blocks[i].empty()) store.add((char*)encoded.data()+i*stride,stride,blocks[i],cbvh::FRAMED_BLOCK);
+          if (!blockBounds[i].empty())
+            store.add((char*)encoded.data()+i*stride,stride,blockBounds[i],cbvh::FRAMED_BLOCK);
         store.flush();
         return true;
       }
@@ -175,7 +176,7 @@ namespace embree
         return finite;
       }
 
-      /*! Encodes a block to `block`, and sets its bounds in `blocks`. If the kind cannot represent the quads, writes
+      /*! Encodes a block to `block`, and sets its blockBounds. If the kind cannot represent the quads, writes
        *  them to the store as GRID or cGRID instead. Writes nothing if they are invalid or the patch becomes cVERT. */
       void writeBlock (const CagePatch& patch, TiledBlock& tiled, cbvh::Block* block,
                        cbvh::BuildStatistics& patchStatistics, cbvh::WorldBounds& patchHitBounds)
@@ -205,11 +206,11 @@ namespace embree
           patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
           TiledBlock exact(cbvh::Kind::GRID,tiled.tiling,tiled.index);
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
-          const BBox3fa before = blocks[tiled.index];
+          const BBox3fa before = blockBounds[tiled.index];
           writeBlock(patch,exact,(cbvh::Block*)memory.data(),patchStatistics,patchHitBounds);
-          if (!blocks[tiled.index].empty())
-            store.add(memory.data(),exact.layout.stride,blocks[tiled.index],cbvh::FRAMED_BLOCK);
-          blocks[tiled.index] = before;
+          if (!blockBounds[tiled.index].empty())
+            store.add(memory.data(),exact.layout.stride,blockBounds[tiled.index],cbvh::FRAMED_BLOCK);
+          blockBounds[tiled.index] = before;
           return;
         }
 
@@ -219,14 +220,14 @@ namespace embree
         block->surface = patch.surfaceNumber;
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(tiled.tiling.x-1,tiled.tiling.y-1,patch.corner[0],patch.corner[1]);
-        addBlock(patchStatistics,tiled,blockStatistics);
+        addToStatistics(patchStatistics,tiled,blockStatistics);
         fit.merge(blockStatistics.fit);
         encoder.extendByHits(patchHitBounds,block);
-        blocks[tiled.index] = toBBox(encoder.surfaceBounds());
+        blockBounds[tiled.index] = toBBox(encoder.surfaceBounds());
       }
 
-      static void addBlock (cbvh::BuildStatistics& statistics, const TiledBlock& tiled,
-                            const cbvh::BlockStatistics& block)
+      static void addToStatistics (cbvh::BuildStatistics& statistics, const TiledBlock& tiled,
+                                   const cbvh::BlockStatistics& block)
       {
         cbvh::CompressionStatistics& sums = statistics.sums;
         sums.headerBytes += cbvh::blockHeaderBytes;
@@ -253,7 +254,7 @@ namespace embree
       cbvh::LeafFit fit;             //!< of the current patch
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
-      std::vector<BBox3fa> blocks;   //!< bounds by position in the tiling; empty for blocks that were not encoded
+      std::vector<BBox3fa> blockBounds; //!< by position in the tiling; empty for blocks that were not encoded
       mvector<float> unsharedVertices; //!< see evaluatedVertices()
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;

@@ -68,7 +68,7 @@ namespace embree
       }
 
       /*! Adds a block to the statistics. bytes: size without padding. */
-      static void addBlock (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
+      static void addToStatistics (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
       {
         const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
@@ -97,7 +97,7 @@ namespace embree
         memcpy(store.reserve(bytes),block,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
-        addBlock(*(const cbvh::MeshHeader*)block,bytes,statistics);
+        addToStatistics(*(const cbvh::MeshHeader*)block,bytes,statistics);
       }
 
       const IrregularTriangles& source;

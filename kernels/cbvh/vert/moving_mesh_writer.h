@@ -77,7 +77,7 @@ namespace embree
         memcpy(store.reserve(bytes),header,bytes);
         store.commit(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::vertReadPadding);
         store.hitBounds.extend(bounds);
-        MeshWriter::addBlock(*header,bytes,statistics);
+        MeshWriter::addToStatistics(*header,bytes,statistics);
       }
 
       const IrregularTriangles& source;

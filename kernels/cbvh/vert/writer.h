@@ -188,7 +188,7 @@ namespace embree
         header->surface = patch.surfaceNumber;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
-        addBlock(header,size,block);
+        addToStatistics(header,size,block);
         if (patch.numbers)
           addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
@@ -196,7 +196,7 @@ namespace embree
       }
 
       /*! Adds a block to the statistics. bytes: size without padding. */
-      void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
+      void addToStatistics (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->info);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
