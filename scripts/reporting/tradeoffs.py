@@ -46,7 +46,7 @@ def draw(axes, frame, title, unit, low):
     for kind, rows in frame.groupby("kind", sort=False):
         xs, sizes = rows.error.where(rows.error >= EXACT, left), (4 + 1.2 * (rows.level - 3).clip(lower=0)) ** 2
         color, mark = f.KINDS[kind]
-        axes.scatter(xs, rows.value, sizes, color, mark, edgecolors=f.INK, linewidths=0.3, label=kind, zorder=3)
+        axes.scatter(xs, rows.value, sizes, color, marker=mark, edgecolors=f.INK, linewidths=0.3, label=kind, zorder=3)
     f.log_axis(axes, "x", left / 1.6, right)
     if low:
         f.log_axis(axes, "y", frame.value.min() / 1.5, frame.value.max() * 1.5)
