@@ -16,14 +16,15 @@ namespace embree
     /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26: 25, stored two at a time. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26 lanes, because the 25
+     *  vertices are stored two at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Lower and upper planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on
      *  the sheared axis. Group (x,y) is in lane x + 4 y. Other lanes are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; };
 
-    /*! Axes of a block's boxes: those of the world, except for at most one that is sheared. */
+    /*! Axes of a block's boxes: the world's axes, but one may be sheared. */
     struct VertAxes
     {
       int axis;        //!< the sheared axis; 3 for none, as in raw blocks

@@ -4,7 +4,7 @@
 #pragma once
 
 /* SIMD decoder of a cVERT cell (cvert/format/cell.h): prediction from the corners, plus residuals. All numbers are
- * exact in float, so the results equal those of the scalar decoder (cvert/decoder/cell_vertices.h), fused or not. */
+ * exact in float, so the scalar decoder (cvert/decoder/cell_vertices.h) returns the same values, fused or not. */
 
 #include "quad_corners.h"
 #include "cache.h"
