@@ -6,7 +6,7 @@
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
-#include "kernels/cbvh/base/mapped_blocks.h"
+#include "kernels/cbvh/base/block_validity.h"
 #include "kernels/cbvh/vert/decoder.h"
 #include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
@@ -273,16 +273,16 @@ TEST(VertTriangles, PacketsMatchSingleRays)
 TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
 {
   const uint64_t block[2] = {0, 0};
-  ASSERT_EQ(isMappedBlockValid.load(), nullptr) << "this program has no files";
+  ASSERT_EQ(mappedBlockValidator.load(), nullptr) << "this program has no files";
   EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
   mappedBytes = ~size_t(0);
   EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
-  isMappedBlockValid = [](const void*, BlockFormat format) { return format != VERT_FORMAT; };
+  mappedBlockValidator = [](const void*, BlockFormat format) { return format != VERT_FORMAT; };
   EXPECT_FALSE(isBlockValid(block, VERT_FORMAT));
   EXPECT_TRUE(isBlockValid(block, MESH_FORMAT));
   mappedBytes = 0;
   EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
-  isMappedBlockValid = nullptr;
+  mappedBlockValidator = nullptr;
 }
 
 } // namespace

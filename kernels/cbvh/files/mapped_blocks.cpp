@@ -44,7 +44,7 @@ namespace embree
         if (first) first->previous = blocks;
         first = blocks;
         list = std::move(next);
-        isMappedBlockValid.store(isValid);
+        mappedBlockValidator.store(isValid);
         hullBegin = std::min(hullBegin,size_t(blocks->begin));
         hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
         publish();
@@ -129,7 +129,7 @@ namespace embree
       }
 
       /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, for readers that see a
-       *  part of the change (base/mapped_blocks.h). */
+       *  part of the change (base/block_validity.h). */
       static void publish ()
       {
         if (!first) {

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it (base/mapped_blocks.h), so that
- * other blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its hits
- * report existing primitives. */
+/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it (base/block_validity.h), so
+ * that other blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its
+ * hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../../cvert/file/file.h"
 #include <cstdint>
 #include <memory>

@@ -5,7 +5,7 @@
 
 #include "saved_surface.h"
 #include "../base/kinds.h"
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "../framed/block.h"

@@ -6,7 +6,7 @@
 #include "../embree/scene.h"
 #include "../framed/block.h"
 #include "../../cvert/format/motion.h"
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../stored/block_bytes.h"
 #include "flat_scene.h"

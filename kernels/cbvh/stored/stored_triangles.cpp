@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "stored_triangles.h"
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"

@@ -7,7 +7,7 @@
  * rays. */
 
 
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../vert/intersector1.h"
 #include "../vert/mesh_intersector1.h"

@@ -7,7 +7,7 @@
  * Embree, queries find no subdivision surfaces. */
 
 #include "point_query.h"
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Memory of the per-thread caches (base/thread_cache.h), which all instruction sets share, and the variables by which
- * base/mapped_blocks.h recognizes blocks of mapped files. Compiled once, for the library's lowest instruction set. */
+ * base/block_validity.h recognizes blocks of mapped files. Compiled once, for the library's lowest instruction set. */
 
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/node_cache.h"
 #endif
@@ -31,7 +31,7 @@ namespace embree
 
     /* files/mapped_blocks.h sets them. They are defined here, so that decoders do not depend on files. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
-    std::atomic<bool (*) (const void* block, BlockFormat format)> isMappedBlockValid(nullptr);
+    std::atomic<BlockValidator> mappedBlockValidator(nullptr);
 
     size_t threadCacheBytes (unsigned caches)
     {

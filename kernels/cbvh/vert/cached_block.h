@@ -6,7 +6,7 @@
 /* Access to a decoded cVERT block, which is decoded into the thread's cache if necessary. References into the cache
  * become invalid once a hit is reported, because a filter function may trace further rays. */
 
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "boxes.h"
 #include "decoder.h"
 

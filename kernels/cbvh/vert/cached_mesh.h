@@ -7,7 +7,7 @@
  * blocks accesses a mesh block as a VertHeader: `surface` and `primID` have the same offsets in a MeshHeader, and
  * `region`, which only orders hits at the same distance, is `bytes` there. */
 
-#include "../base/mapped_blocks.h"
+#include "../base/block_validity.h"
 #include "hits1.h"
 #include "mesh_decoder.h"
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because opening would
- * otherwise read the whole file. Code that reads a block must call isBlockValid first. */
+/* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because a check when the
+ * file is opened would read the whole file. Code that reads a block must call isBlockValid first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"
@@ -20,8 +20,9 @@ namespace embree
      *  of two ranges therefore misses no block that it can trace. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! Checks a block if it belongs to a mapped file. For addresses in the range only; null until a file is mapped. */
-    extern std::atomic<bool (*) (const void* block, BlockFormat format)> isMappedBlockValid;
+    /*! Returns false for a damaged block of a mapped file, and true for other memory in the range. */
+    typedef bool (*BlockValidator) (const void* block, BlockFormat format);
+    extern std::atomic<BlockValidator> mappedBlockValidator; //!< null until a file is mapped
 
     /*! True if a block may be decoded. Otherwise callers must treat it as empty; the device receives one error per
      *  geometry. */
@@ -31,7 +32,7 @@ namespace embree
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
       /* Relaxed: while another thread maps the first file, this thread may see the range but no function yet. `block`
        * is then not mapped, because rays reach mapped blocks only after the commit of their scene. */
-      bool (*const isValid) (const void*, BlockFormat) = isMappedBlockValid.load(std::memory_order_relaxed);
+      const BlockValidator isValid = mappedBlockValidator.load(std::memory_order_relaxed);
       return !isValid || isValid(block,format);
     }
   }
