@@ -85,9 +85,9 @@ namespace cvert
   FileWriter::~FileWriter ()
   {
     if (!file || !isResumable) return;
-    try { if (!failed && !directory.empty() && written != saved) writeDirectory(); }
+    try { if (!failed && !directory.empty() && writtenBytes != checkpointedBytes) writeDirectory(); }
     catch (...) {} // the file still contains what the header on the disk refers to
-    file->setPersistent(saved != 0);
+    file->setPersistent(checkpointedBytes != 0);
   }
 
   void FileWriter::begin ()
@@ -136,8 +136,8 @@ namespace cvert
     const bool isRead = ::pread(descriptor,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
     if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + hint);
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
-    written = saved = header.fileBytes;
-    if (::ftruncate(descriptor,off_t(written)) != 0 || ::lseek(descriptor,off_t(written),SEEK_SET) < 0)
+    writtenBytes = checkpointedBytes = header.fileBytes;
+    if (::ftruncate(descriptor,off_t(writtenBytes)) != 0 || ::lseek(descriptor,off_t(writtenBytes),SEEK_SET) < 0)
       reject(std::string("cannot be written: ") + std::strerror(errno));
   }
 
@@ -153,13 +153,13 @@ namespace cvert
   {
     const int error = writeAll(file->descriptor(),data,bytes);
     if (error) failToWrite(error);
-    written += bytes;
+    writtenBytes += bytes;
   }
 
   void FileWriter::padTo (uint64_t alignment)
   {
     static const char zeros[filePage] = {};
-    if (written % alignment) write(zeros,size_t(alignment - written % alignment));
+    if (writtenBytes % alignment) write(zeros,size_t(alignment - writtenBytes % alignment));
   }
 
   uint32_t FileWriter::chooseSurfaceNumber (const FileGeometry& record)
@@ -180,7 +180,7 @@ namespace cvert
   void FileWriter::add (FileSurface& surface)
   {
     requireOpen();
-    if (isResumable && written-saved >= checkpointBytes) writeDirectory();
+    if (isResumable && writtenBytes-checkpointedBytes >= checkpointInterval) writeDirectory();
     padTo(filePage);
     FileGeometry& record = surface.record;
     record.tree = record.blocks = 0;
@@ -192,14 +192,14 @@ namespace cvert
     record.surface = chooseSurfaceNumber(record);
     if (const Reason reason = validateRecord(record))
       throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
-    record.tree = written;
+    record.tree = writtenBytes;
     write(surface.tree.data(),surface.tree.size());
     padTo(filePage);
-    record.blocks = written;
+    record.blocks = writtenBytes;
     writeBlocks(surface);
-    const uint64_t end = written;
+    const uint64_t end = writtenBytes;
     padTo(filePage);
-    if (written-end < fileReadPadding) {
+    if (writtenBytes-end < fileReadPadding) {
       const char zeros[fileReadPadding] = {};
       write(zeros,sizeof(zeros));
       padTo(filePage);
@@ -207,7 +207,7 @@ namespace cvert
     directory.push_back(record);
     vertVersion = std::max(vertVersion,surface.vertVersion);
     // starts writing to disk, so that the next checkpoint need not wait
-    if (isResumable) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
+    if (isResumable) (void)!::sync_file_range(file->descriptor(),off_t(checkpointedBytes),0,SYNC_FILE_RANGE_WRITE);
   }
 
   void FileWriter::writeBlocks (FileSurface& surface)
@@ -239,11 +239,11 @@ namespace cvert
     header.framedVersion = fileFramedVersion;
     header.numGeometries = uint32_t(directory.size());
     header.recordBytes = sizeof(FileGeometry);
-    header.directory = written;
+    header.directory = writtenBytes;
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     header.directoryChecksum = fileChecksum(directory.data(),bytes);
     write(directory.data(),bytes);
-    header.fileBytes = written;
+    header.fileBytes = writtenBytes;
     header.key[0] = uint32_t(key);
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
@@ -252,14 +252,14 @@ namespace cvert
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;
     if (error) failToWrite(error);
-    saved = written;
+    checkpointedBytes = writtenBytes;
   }
 
   void FileWriter::commit ()
   {
     requireOpen();
     if (directory.empty()) fail("no geometry was added");
-    if (written != saved) writeDirectory();
+    if (writtenBytes != checkpointedBytes) writeDirectory();
     try { file->commit(); }
     catch (const std::system_error& error) {
       throw Error(ErrorCode::INVALID_OPERATION,path + ": cannot be written: " + error.code().message());

@@ -81,8 +81,9 @@ namespace cvert
     size_t size () const { return directory.size(); }
 
   private:
-    /*! With a key, add() stores the directory after this many bytes. A killed process loses about as many. */
-    static const uint64_t checkpointBytes = uint64_t(64) << 20;
+    /*! With a key, add() writes a checkpoint, the directory, after this many bytes. A killed process loses about as
+     *  many. */
+    static const uint64_t checkpointInterval = uint64_t(64) << 20;
 
     /*! suffix: of the unfinished file if another writer may continue it, else empty. */
     void open (const std::string& suffix);
@@ -109,7 +110,8 @@ namespace cvert
     const bool isResumable;               //!< has a key: the file is kept without commit
     bool failed = false;
     uint64_t key = 0;
-    uint64_t written = 0, saved = 0;      //!< bytes in the file, and those that the header on the disk covers
+    uint64_t writtenBytes = 0;            //!< bytes in the file
+    uint64_t checkpointedBytes = 0;       //!< bytes at the last writeDirectory(): readers see no others
     uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;           //!< surface numbers, without their two highest bits
