@@ -106,9 +106,9 @@ namespace embree
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Chooses the lattices of all primitives. Call this before share(). */
+      /*! Chooses the lattices of all primitives. Call this before chooseForShared(). */
       template<typename Topology, typename Progress>
-      void choose (Topology& topology, size_t perTask, const Progress& progress)
+      void chooseForPrimitives (Topology& topology, size_t perTask, const Progress& progress)
       {
         const size_t size = topology.size();
         fill(own,size,int8_t(cbvh::exactLattice));
@@ -143,7 +143,7 @@ namespace embree
       /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives. Elements
        *  without a primitive get the finest lattice of all. */
       template<typename Topology, typename Progress>
-      void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
+      void chooseForShared (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
         fill(shared,numElements,own.empty() ? int8_t(cbvh::exactLattice) : *std::min_element(own.begin(),own.end()));
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {

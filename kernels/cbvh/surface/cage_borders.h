@@ -38,8 +38,8 @@ namespace embree
         topology.find(facesPerTask,progress);
         allocatePoints();
         if (plan.kind() == cbvh::Kind::VERT) allocateCache();
-        lattices.choose(*this,facesPerTask,progress);
-        lattices.share(*this,2*topology.numHalfEdges(),facesPerTask,progress);
+        lattices.chooseForPrimitives(*this,facesPerTask,progress);
+        lattices.chooseForShared(*this,2*topology.numHalfEdges(),facesPerTask,progress);
       }
 
       /*! Exponent of the spacing of a face's lattice. */

@@ -40,7 +40,7 @@ namespace embree
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {
-        lattices.choose(*this,gridsPerTask,progress);
+        lattices.chooseForPrimitives(*this,gridsPerTask,progress);
         if ((size() < 2 && !grids.hasIrregular()) || size() == 0 || plan.isLossless()) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
@@ -48,7 +48,7 @@ namespace embree
                 if (isValid(i)) n += 2*(size_t((*this)[i].quads(0))+(*this)[i].quads(1));
               return n;
             },std::plus<size_t>()));
-        lattices.share(*this,table.size(),gridsPerTask,progress);
+        lattices.chooseForShared(*this,table.size(),gridsPerTask,progress);
         stitched.find(gridsPerTask,progress);
       }
 
