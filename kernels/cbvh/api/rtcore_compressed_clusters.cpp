@@ -31,7 +31,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   Geometry* geometry = (Geometry*) hgeometry;
   const Ref<Geometry> held(geometry); // the function may release the application's reference
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
+  requireNotNull(geometry,"geometry");
   if (report) core::requireStruct(report);
   int value; // memcpy, because a value outside of the enumeration would be undefined behavior
   memcpy(&value,&format,sizeof(value));

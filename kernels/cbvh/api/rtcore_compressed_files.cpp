@@ -20,8 +20,8 @@ RTC_API bool rtcSaveCompressedGeometry (RTCGeometry hgeometry, const char* path)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
-  require(path,"path");
+  requireNotNull(geometry,"geometry");
+  requireNotNull(path,"path");
   core::saveGeometry(geometry,path);
   return true;
   RTC_CATCH_END2(geometry);
@@ -32,8 +32,8 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* pa
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
-  require(device,"device");
-  require(path,"path");
+  requireNotNull(device,"device");
+  requireNotNull(path,"path");
   const File file(device,path);
   if (file.size() != 1)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size())
@@ -47,8 +47,8 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, c
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
-  require(device,"device");
-  require(path,"path");
+  requireNotNull(device,"device");
+  requireNotNull(path,"path");
   return (RTCCompressedFileWriter) new Writer(device,path);
   RTC_CATCH_END(device);
   return nullptr;
@@ -59,8 +59,8 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
-  require(device,"device");
-  require(path,"path");
+  requireNotNull(device,"device");
+  requireNotNull(path,"path");
   return (RTCCompressedFileWriter) new Writer(device,path,key);
   RTC_CATCH_END(device);
   return nullptr;
@@ -70,7 +70,7 @@ RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount (RTCCompressedFileW
 {
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
-  require(writer,"writer");
+  requireNotNull(writer,"writer");
   return (unsigned int)writer->size();
   RTC_CATCH_END(nullptr);
   return 0;
@@ -80,8 +80,8 @@ RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGe
 {
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
-  require(writer,"writer");
-  require(hgeometry,"geometry");
+  requireNotNull(writer,"writer");
+  requireNotNull(hgeometry,"geometry");
   writer->append((Geometry*)hgeometry);
   return true;
   RTC_CATCH_END2(writer);
@@ -92,7 +92,7 @@ RTC_API bool rtcCommitCompressedFileWriter (RTCCompressedFileWriter hwriter)
 {
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
-  require(writer,"writer");
+  requireNotNull(writer,"writer");
   writer->commit();
   return true;
   RTC_CATCH_END2(writer);
@@ -102,7 +102,7 @@ RTC_API bool rtcCommitCompressedFileWriter (RTCCompressedFileWriter hwriter)
 RTC_API void rtcReleaseCompressedFileWriter (RTCCompressedFileWriter hwriter)
 {
   RTC_CATCH_BEGIN;
-  require(hwriter,"writer");
+  requireNotNull(hwriter,"writer");
   delete (Writer*) hwriter;
   RTC_CATCH_END(nullptr);
 }
@@ -111,8 +111,8 @@ RTC_API RTCCompressedFile rtcOpenCompressedFile (RTCDevice hdevice, const char* 
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
-  require(device,"device");
-  require(path,"path");
+  requireNotNull(device,"device");
+  requireNotNull(path,"path");
   return (RTCCompressedFile) new File(device,path);
   RTC_CATCH_END(device);
   return nullptr;
@@ -122,7 +122,7 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
+  requireNotNull(file,"file");
   return unsigned(file->size());
   RTC_CATCH_END2(file);
   return 0;
@@ -133,8 +133,8 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
-  require(description,"description");
+  requireNotNull(file,"file");
+  requireNotNull(description,"description");
   const core::FileDescription info = file->describe(index);
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = info.type;
@@ -157,8 +157,8 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, un
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
-  require(statistics,"statistics");
+  requireNotNull(file,"file");
+  requireNotNull(statistics,"statistics");
   core::writeStruct(statistics,toPublic(file->statistics(index)));
   return true;
   RTC_CATCH_END2(file);
@@ -169,7 +169,7 @@ RTC_API RTCGeometry rtcNewGeometryFromCompressedFile (RTCCompressedFile hfile, u
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
+  requireNotNull(file,"file");
   return (RTCGeometry) file->load(index);
   RTC_CATCH_END2(file);
   return nullptr;
@@ -179,7 +179,7 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
+  requireNotNull(file,"file");
   file->verifyAll();
   return true;
   RTC_CATCH_END2(file);
@@ -189,7 +189,7 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
 RTC_API void rtcReleaseCompressedFile (RTCCompressedFile hfile)
 {
   RTC_CATCH_BEGIN;
-  require(hfile,"file");
+  requireNotNull(hfile,"file");
   delete (File*) hfile;
   RTC_CATCH_END(nullptr);
 }

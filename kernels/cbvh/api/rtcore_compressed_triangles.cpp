@@ -23,8 +23,8 @@ RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, 
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
-  require(triangle,"triangle");
+  requireNotNull(geometry,"geometry");
+  requireNotNull(triangle,"triangle");
   cbvh::StoredTriangle found;
   if (!core::findTriangle(geometry,time,primID,u,v,Ng,found)) return false;
   static_assert(sizeof(*triangle) == sizeof(found),"RTCCompressedTriangle never grows");
@@ -40,8 +40,8 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
   Geometry* geometry = (Geometry*) hgeometry;
   const Ref<Geometry> held(geometry); // the function may release the application's reference
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
-  require((const void*)function,"function");
+  requireNotNull(geometry,"geometry");
+  requireNotNull((const void*)function,"function");
   core::forEachPart(geometry,time,[&](const cbvh::StoredPart& part) {
       const RTCCompressedPart publicPart = toPublic(part);
       return function(userPtr,&publicPart);

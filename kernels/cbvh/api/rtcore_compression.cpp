@@ -40,7 +40,7 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
-  require(device,"device");
+  requireNotNull(device,"device");
   int property; // memcpy, because a value outside of the enumeration would be undefined behavior
   memcpy(&property,&prop,sizeof(property));
   switch (property)
@@ -59,8 +59,8 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
-  require(args,"args");
+  requireNotNull(geometry,"geometry");
+  requireNotNull(args,"args");
   core::setCompression(geometry,settingsOf(core::readStruct(args)));
   RTC_CATCH_END2(geometry);
 }
@@ -69,8 +69,8 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
 {
   Scene* scene = (Scene*) hscene;
   RTC_CATCH_BEGIN;
-  require(scene,"scene");
-  require(stats,"stats");
+  requireNotNull(scene,"scene");
+  requireNotNull(stats,"stats");
   core::requireStruct(stats);
   core::writeStruct(stats,toPublic(core::statisticsOf(scene)));
   RTC_CATCH_END2(scene);

@@ -17,8 +17,8 @@ RTC_API void rtcDiceGeometry (RTCGeometry hgeometry, const struct RTCDicingArgum
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  require(geometry,"geometry");
-  require(args,"args");
+  requireNotNull(geometry,"geometry");
+  requireNotNull(args,"args");
   core::dice(geometry,dicingCamera(core::readStruct(args)));
   RTC_CATCH_END2(geometry);
 }

@@ -25,7 +25,8 @@ namespace embree
     CBVH_EXTENSIBLE_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
   }
 
-  inline void require (const void* argument, const char* name) {
+  /*! Throws RTC_ERROR_INVALID_ARGUMENT if a pointer argument is null. name: of the argument. */
+  inline void requireNotNull (const void* argument, const char* name) {
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }
 
