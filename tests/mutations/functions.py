@@ -188,6 +188,6 @@ FUNCTIONS = (
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings
     Entry("setMaxError", 2, SETTINGS),
-    Entry("::verify", 2, SETTINGS),
+    Entry("finishParsing", 2, SETTINGS),
     Entry("resolve", 2, SETTINGS + ("fallback_faces FallbackFaces.Geometry*",)),
 )

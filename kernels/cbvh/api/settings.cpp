@@ -68,7 +68,8 @@ namespace embree
   }
 
   /*! Keys and values of the device string that neither Embree nor this library knows. A new device calls
-   *  parseEnvironment(), which clears them, then parse(), which collects them, and verify(), which reports them. */
+   *  parseEnvironment(), which clears them, then parse(), which collects them, and finishParsing(), which reports
+   *  them. */
   static thread_local std::vector<std::pair<std::string,std::string>> unknownKeys;
 
   /*! Without prefix: "grid, voxel, leaf or vert". */
@@ -192,7 +193,7 @@ namespace embree
     return "GRID, Embree's own";
   }
 
-  void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
+  void CompressionSettings::finishParsing (const std::string& subdivAccel, bool verbose)
   {
     RTCCompression ignored;
     if (!parseSubdivAccel(subdivAccel,compression)) {

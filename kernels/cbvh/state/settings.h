@@ -29,7 +29,7 @@ namespace embree
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error, with key and value,
-     *  for invalid values. Keeps unknown keys for verify(). */
+     *  for invalid values. Keeps unknown keys for finishParsing(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
@@ -39,9 +39,10 @@ namespace embree
     /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
     void parseEnvironment ();
 
-    /*! Applies a complete device string's subdiv_accel; "default" has no effect. Throws rtcore_error for unknown
-     *  "cbvh." kinds and unknown keys. verbose: prints version and settings. */
-    void verify (const std::string& subdivAccel, bool verbose);
+    /*! Call this after parse() received the entire device string. Sets `compression` to what subdiv_accel selects;
+     *  "default" has no effect. Throws rtcore_error for unknown "cbvh." kinds and unknown keys. verbose: prints version
+     *  and settings. */
+    void finishParsing (const std::string& subdivAccel, bool verbose);
 
     /*! Returns the effective settings of a geometry: no member is inherited. */
     CompressionSettings resolve (const CompressionSettings& device) const;
