@@ -74,7 +74,7 @@ TEST(Double4, EqualsFourDoubles)
     }
     const uint32_t bits = random.below(16);
     const Double4 A = load(a), B = load(b);
-    const Mask4 mask = cvert::maskOf(bits);
+    const Mask4 mask = cvert::maskFromBits(bits);
 
     expectLanes(A + B, [&](int i) { return a[i] + b[i]; }, "+");
     expectLanes(A - B, [&](int i) { return a[i] - b[i]; }, "-");
@@ -108,7 +108,7 @@ TEST(Double4, EqualsFourDoubles)
     (mask & Int4::load(integers)).store(whole);
     for (int i = 0; i < 4; i++) EXPECT_EQ(whole[i], bits >> i & 1 ? integers[i] : 0);
 
-    EXPECT_TRUE(isSame(cvert::crossOfXY(A, B), a[0]*b[1] - a[1]*b[0]));
+    EXPECT_TRUE(isSame(cvert::cross2D(A, B), a[0]*b[1] - a[1]*b[0]));
     const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]};
     const double more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
     EXPECT_TRUE(isSame(cvert::reduceMin(A), less[0] < less[1] ? less[0] : less[1]));

@@ -264,10 +264,10 @@ TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes)
 void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], float upper[3])
 {
   for (int axis = 0; axis < 2; axis++) {
-    lower[axis] = tables.lowerPlane[axis][(node >> lowerShift(axis)) & planePairMask][child];
-    upper[axis] = tables.upperPlane[axis][(node >> upperShift(axis)) & planePairMask][child];
+    lower[axis] = tables.lowerPlanes[axis][(node >> lowerShift(axis)) & planePairMask][child];
+    upper[axis] = tables.upperPlanes[axis][(node >> upperShift(axis)) & planePairMask][child];
   }
-  const float* z = tables.zPair[(node >> (zShift + 2*zBits*(child >> 1))) & 63];
+  const float* z = tables.zPlanes[(node >> (zShift + 2*zBits*(child >> 1))) & 63];
   lower[2] = z[child & 1];
   upper[2] = z[2 + (child & 1)];
 }

@@ -57,7 +57,8 @@ inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
   NodeBox box = parent;
   for (int axis = 0; axis < 2; axis++) {
     const uint32_t bits = word >> latticeShift(axis);
-    float lower = latticeOuter(bits & latticePlaneMask), upper = latticeOuter((bits >> 5) & latticePlaneMask);
+    float lower = latticeOuterOffset(bits & latticePlaneMask);
+    float upper = latticeOuterOffset((bits >> 5) & latticePlaneMask);
     if (form.mirrored) std::swap(lower, upper);
     box.lower[axis] = madd(form.fused, lower, parent.extent[axis], parent.lower[axis]);
     box.extent[axis] = madd(form.fused, 1 - upper, parent.extent[axis], parent.lower[axis]) - box.lower[axis];

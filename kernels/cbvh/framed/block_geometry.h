@@ -97,7 +97,7 @@ namespace embree
           {
             const double (*const v)[4] = local + y*(side+1)+x;
             const double twice =
-              crossOfXY(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
+              cross2D(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
             small += std::fabs(twice) < limit;
             valid += twice == twice; // not NaN
           }

@@ -45,10 +45,10 @@ namespace embree
       {
         for (int axis=0; axis<2; axis++)
           storePlanes(out,first,axis,
-            vfloat4::load(nodeTables.lowerPlane[axis][(word >> lowerShift(axis)) & planePairMask]),
-                      vfloat4::load(nodeTables.upperPlane[axis][(word >> upperShift(axis)) & planePairMask]),parent);
-        const vfloat4 z0 = vfloat4::load(nodeTables.zPair[(word >> zShift) & 63]);
-        const vfloat4 z1 = vfloat4::load(nodeTables.zPair[(word >> (zShift+2*zBits)) & 63]);
+                      vfloat4::load(nodeTables.lowerPlanes[axis][(word >> lowerShift(axis)) & planePairMask]),
+                      vfloat4::load(nodeTables.upperPlanes[axis][(word >> upperShift(axis)) & planePairMask]),parent);
+        const vfloat4 z0 = vfloat4::load(nodeTables.zPlanes[(word >> zShift) & 63]);
+        const vfloat4 z1 = vfloat4::load(nodeTables.zPlanes[(word >> (zShift+2*zBits)) & 63]);
         storePlanes(out,first,2,vfloat4(_mm_movelh_ps(z0,z1)),vfloat4(_mm_movehl_ps(z1,z0)),parent);
       }
 
@@ -102,9 +102,9 @@ namespace embree
           for (int axis=0; axis<2; axis++)
           {
             const uint32_t planes = word >> latticeShift(axis);
-            const float p0 = nodeTables.latticeOuter[planes & latticePlaneMask];
-            const float p1 = latticeMiddle((planes >> 10) & latticePlaneMask);
-            const float p2 = 1.0f-nodeTables.latticeOuter[(planes >> 5) & latticePlaneMask];
+            const float p0 = nodeTables.latticeOuterOffsets[planes & latticePlaneMask];
+            const float p1 = latticeMiddlePosition((planes >> 10) & latticePlaneMask);
+            const float p2 = 1.0f-nodeTables.latticeOuterOffsets[(planes >> 5) & latticePlaneMask];
             if (axis == 0) storePlanes(boxes,first,axis,vfloat4(p0,p1,p0,p1),vfloat4(p1,p2,p1,p2),parent);
             else           storePlanes(boxes,first,axis,vfloat4(p0,p0,p1,p1),vfloat4(p1,p1,p2,p2),parent);
           }
@@ -129,7 +129,7 @@ namespace embree
           const __m128i bytes = _mm_cvtsi64_si128((long long)bits);
           const int middle = _mm_movemask_epi8(bytes) & 127;
           const __m128i nine = _mm_insert_epi16(_mm_and_si128(bytes,_mm_set1_epi8(127)),middle,4);
-          for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCorner[k])));
+          for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCornerShuffles[k])));
         }
 
         /*! _mm_shuffle_epi8 for controls that select only the lowest byte of each lane. */

@@ -17,24 +17,23 @@ namespace embree
       for (int axis=0; axis<2; axis++)
         for (uint32_t pair=0; pair<32; pair++)
           for (int child=0; child<4; child++) {
-            lowerPlane[axis][pair][child] = cbvh::lowerPlane(pair,childCoordinate(child,axis));
-            upperPlane[axis][pair][child] = cbvh::upperPlane(pair,childCoordinate(child,axis));
+            lowerPlanes[axis][pair][child] = lowerPlane(pair,childCoordinate(child,axis));
+            upperPlanes[axis][pair][child] = upperPlane(pair,childCoordinate(child,axis));
           }
-      for (uint32_t pair=0; pair<64; pair++)
+      for (uint32_t codes=0; codes<64; codes++)
         for (int child=0; child<2; child++) {
-          const Interval z = zInterval((pair >> (zBits*child)) & 7);
-          zPair[pair][child  ] = z.lower;
-          zPair[pair][child+2] = z.upper;
+          const Interval z = zInterval((codes >> (zBits*child)) & 7);
+          zPlanes[codes][child  ] = z.lower;
+          zPlanes[codes][child+2] = z.upper;
         }
-      for (uint32_t code=0; code<32; code++)
-        latticeOuter[code] = cbvh::latticeOuter(code);
+      for (uint32_t code=0; code<32; code++) latticeOuterOffsets[code] = latticeOuterOffset(code);
       for (int corner=0; corner<4; corner++)
         for (int byte=0; byte<16; byte++)
         {
           const int child = byte/4;
           const int vertex = childCoordinate(child,0)+childCoordinate(corner,0)
             + 3*(childCoordinate(child,1)+childCoordinate(corner,1));
-          latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
+          latticeCornerShuffles[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
         }
       for (int mask=0; mask<16; mask++)
       {

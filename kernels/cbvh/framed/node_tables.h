@@ -14,18 +14,18 @@ namespace embree
   {
     struct alignas(64) NodeTables
     {
-      /*! [axis][plane pair][child]: planes in parent extents, see lowerPlane() and upperPlane() in node.h. */
-      float lowerPlane[2][32][4];
-      float upperPlane[2][32][4];
+      /*! [axis][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
+      float lowerPlanes[2][32][4];
+      float upperPlanes[2][32][4];
 
       /*! [z codes of two children]: their lower planes in z, then their upper planes, in parent extents. */
-      float zPair[64][4];
+      float zPlanes[64][4];
 
-      float latticeOuter[32]; //!< latticeOuter() of leaf/format.h
+      float latticeOuterOffsets[32]; //!< [code]: latticeOuterOffset() of leaf/format.h
 
-      /*! [corner][4*leaf]: index of the corner's height among the nine heights of a lattice, the middle one last. Bytes
-       *  in between are 0x80, so that byte shuffles return integers. */
-      alignas(16) uint8_t latticeCorner[4][16];
+      /*! [corner]: control of a byte shuffle of a lattice's nine heights, the middle one last. It returns the corner's
+       *  height of each of the four leaves as a 32-bit integer; 0x80 selects 0. */
+      alignas(16) uint8_t latticeCornerShuffles[4][16];
 
       /*! Expand each of four mask bits to four bits: to the lowest only, or to all. */
       uint16_t firstOfFour[16], allOfFour[16];

@@ -57,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /*! Converts bit i of `bits` to the mask of lane i. */
-  inline Mask4 maskOf(uint32_t bits)
+  inline Mask4 maskFromBits(uint32_t bits)
   {
     const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
       set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
@@ -66,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /*! Returns a0 b1 - a1 b0, the z component of a cross product. */
-  inline double crossOfXY(Double4 a, Double4 b) {
+  inline double cross2D(Double4 a, Double4 b) {
     const __m128d l = _mm256_castpd256_pd128(b.v), p = _mm_mul_pd(_mm256_castpd256_pd128(a.v),_mm_shuffle_pd(l,l,1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }

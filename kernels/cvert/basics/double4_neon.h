@@ -71,13 +71,13 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Int4 operator&(Mask4 m, Int4 a) { return vandq_s32(vreinterpretq_s32_u32(m.narrow()),a.v); }
 
-  inline Mask4 maskOf(uint32_t bits)
+  inline Mask4 maskFromBits(uint32_t bits)
   {
     const int32x4_t set = vreinterpretq_s32_u32(vtstq_u32(vdupq_n_u32(bits),uint32x4_t{ 1,2,4,8 }));
     return {{ vreinterpretq_u64_s64(vmovl_s32(vget_low_s32(set))),vreinterpretq_u64_s64(vmovl_high_s32(set)) }};
   }
 
-  inline double crossOfXY(Double4 a, Double4 b) {
+  inline double cross2D(Double4 a, Double4 b) {
     const float64x2_t p = vmulq_f64(a.v[0],vextq_f64(b.v[0],b.v[0],1));
     return vgetq_lane_f64(p,0) - vgetq_lane_f64(p,1);
   }

@@ -59,13 +59,13 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_and_si128(
       _mm_castps_si128(_mm_shuffle_ps(_mm_castpd_ps(m.v[0]),_mm_castpd_ps(m.v[1]),_MM_SHUFFLE(2,0,2,0))),a.v);
   }
-  inline Mask4 maskOf(uint32_t bits)
+  inline Mask4 maskFromBits(uint32_t bits)
   {
     const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
       set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
     return {{ _mm_castsi128_pd(_mm_unpacklo_epi32(set,set)),_mm_castsi128_pd(_mm_unpackhi_epi32(set,set)) }};
   }
-  inline double crossOfXY(Double4 a, Double4 b) {
+  inline double cross2D(Double4 a, Double4 b) {
     const __m128d p = _mm_mul_pd(a.v[0],_mm_shuffle_pd(b.v[0],b.v[0],1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }

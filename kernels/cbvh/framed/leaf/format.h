@@ -70,10 +70,10 @@ CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
 /*! Distance of an outer plane from the parent's, in parent extents: up to a third, for quads that do not fill their
  *  parent. Steps grow with the code, from 1/256; small distances compensate for rounding of the parent. */
-CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
+CVERT_FUNCTION float latticeOuterOffset (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
 /*! Position of the middle plane, in parent extents: 33/128 to 95/128. Rounded to nearest: it bounds nothing. */
-CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
+CVERT_FUNCTION float latticeMiddlePosition (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
 /*! Thickness in bins: 1, 2, 5 or 16. A bin covers the rounding of heights; the rest, the distance of straight edges
  *  from the lattice. */
@@ -83,9 +83,9 @@ CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201
 CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
-  float at = plane == 0 ? latticeOuter(bits & latticePlaneMask)
-           : plane == 1 ? latticeMiddle((bits >> 10) & latticePlaneMask)
-           : 1.0f-latticeOuter((bits >> 5) & latticePlaneMask);
+  float at = plane == 0 ? latticeOuterOffset(bits & latticePlaneMask)
+           : plane == 1 ? latticeMiddlePosition((bits >> 10) & latticePlaneMask)
+           : 1.0f-latticeOuterOffset((bits >> 5) & latticePlaneMask);
   return parent.lower[axis] + at*parent.extent[axis];
 }
 

@@ -37,7 +37,7 @@ namespace embree
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
       /*! Largest absolute slope along an axis. A bilinear patch is steepest on its sides. */
-      double steepest(int axis) const
+      double maxAbsSlope(int axis) const
       {
         double slope = 0;
         for (int line=0; line<3; line++)
@@ -59,20 +59,22 @@ namespace embree
         double maxMagnitude() const { return std::max(-lower,upper); }
       };
 
-      /*! Range of the surface's height above the straight edge from a to b. Between planes, this height is a parabola,
-       *  which differs from its chord by at most a quarter of its quadratic term. */
-      Range heightOver(const double a[3], const double b[3]) const
+      /*! Range of the deviation along the straight edge from a to b: the surface's height above the edge, negative if
+       *  the surface is below. Between planes, it is a parabola, which differs from its chord by at most a quarter of
+       *  its quadratic term. */
+      Range deviationRange(const double a[3], const double b[3]) const
       {
+        /* The middle planes cut the edge into up to three pieces. */
         double cut[4] = { 0,1,1,1 };
-        int pieces = 0;
+        int numPieces = 0;
         for (int axis=0; axis<2; axis++) {
           const double t = (planes[axis][1]-a[axis])/(b[axis]-a[axis]);
-          if (t > 0 && t < 1) cut[++pieces] = t;
+          if (t > 0 && t < 1) cut[++numPieces] = t;
         }
-        if (pieces == 2 && cut[1] > cut[2]) std::swap(cut[1],cut[2]);
-        cut[++pieces] = 1;
+        if (numPieces == 2 && cut[1] > cut[2]) std::swap(cut[1],cut[2]);
+        cut[++numPieces] = 1;
         Range range = { 1e300,-1e300 };
-        for (int i=0; i<pieces; i++)
+        for (int i=0; i<numPieces; i++)
         {
           auto point = [&](double t, int axis) { return a[axis] + t*(b[axis]-a[axis]); };
           const double middle = 0.5*(cut[i]+cut[i+1]);
@@ -91,13 +93,14 @@ namespace embree
      *  middle. */
     struct GroupLine
     {
-      int vertex[3];
+      int vertex[3];         //!< indices in QuadGroup::vertices
       GroupLine(int axis, int line) {
         for (int i=0; i<3; i++) vertex[i] = axis == 0 ? line+3*i : 3*line+i;
       }
-      Lattice::Range heightOver(const Lattice& lattice, const QuadGroup& group) const {
-        Lattice::Range range = lattice.heightOver(group.vertices[vertex[0]],group.vertices[vertex[1]]);
-        range.extend(lattice.heightOver(group.vertices[vertex[1]],group.vertices[vertex[2]]));
+      /*! See Lattice::deviationRange(). */
+      Lattice::Range deviationRange(const Lattice& lattice, const QuadGroup& group) const {
+        Lattice::Range range = lattice.deviationRange(group.vertices[vertex[0]],group.vertices[vertex[1]]);
+        range.extend(lattice.deviationRange(group.vertices[vertex[1]],group.vertices[vertex[2]]));
         return range;
       }
     };
@@ -121,8 +124,8 @@ namespace embree
       uint32_t low = 0, high = 0;
       const float l = parent.lower[axis], e = parent.extent[axis];
       for (uint32_t q=1; q<32; q++) {
-        if (l + latticeOuter(q)*e <= lower-containmentSlack) low = q;
-        if (l + (1.0f-latticeOuter(q))*e >= upper+containmentSlack) high = q;
+        if (l + latticeOuterOffset(q)*e <= lower-containmentSlack) low = q;
+        if (l + (1.0f-latticeOuterOffset(q))*e >= upper+containmentSlack) high = q;
       }
       const double middle = std::floor(((mean-l)/e*128 - 33)*0.5 + 0.5);
       const uint32_t m = middle < 0 ? 0 : middle > 31 ? 31 : uint32_t(middle);
@@ -154,9 +157,9 @@ namespace embree
       {
         double largest = 0;
         for (int v=0; v<9; v++) {
-          const double deviation = group.vertices[v][2]-lattice.height(position[v]);
-          lattice.z[v] += deviation;
-          largest = std::max(largest,std::fabs(deviation));
+          const double correction = group.vertices[v][2]-lattice.height(position[v]);
+          lattice.z[v] += correction;
+          largest = std::max(largest,std::fabs(correction));
         }
         if (!(largest > tolerance)) break;
       }
@@ -197,7 +200,7 @@ namespace embree
       const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int iteration=0; ; iteration++) {
-        const double below = slack - side.heightOver(lattice.surface,group).lower;
+        const double below = slack - side.deviationRange(lattice.surface,group).lower;
         if (below <= 0) return true;
         if (!(below < maxRaise) || iteration == maxIterations) return false;
         for (int v : side.vertex) lattice.raise(v,below);
@@ -210,10 +213,10 @@ namespace embree
       Lattice::Range range = { 0,0 };
       for (int axis=0; axis<2; axis++)
         for (int line=0; line<3; line++)
-          range.extend(GroupLine(axis,line).heightOver(lattice.surface,group));
-      const double deviation = range.maxMagnitude();
+          range.extend(GroupLine(axis,line).deviationRange(lattice.surface,group));
+      const double maxDeviation = range.maxMagnitude();
       uint32_t code = 0;
-      while (code < 4 && !(0.5*latticeThickness(uint32_t(code))*lattice.bins.size >= deviation+slack)) code++;
+      while (code < 4 && !(0.5*latticeThickness(code)*lattice.bins.size >= maxDeviation+slack)) code++;
       return code;
     }
 
@@ -245,7 +248,8 @@ namespace embree
       for (int v=0; v<9; v++) lattice.set(v,std::floor((lattice.surface.z[v]-lattice.bins.lower)/lattice.bins.size));
 
       /* on the border, the surface must not be below the edge */
-      const double slopes[2] = { lattice.surface.steepest(0),lattice.surface.steepest(1) }, slack = group.slack(slopes);
+      const double slopes[2] = { lattice.surface.maxAbsSlope(0),lattice.surface.maxAbsSlope(1) };
+      const double slack = group.slack(slopes);
       for (int axis=0; axis<2; axis++)
         for (int upper=0; upper<2; upper++)
         {

@@ -74,8 +74,8 @@ namespace embree
       Double4 thickness() const { return leafThickness; }
 
     private:
-      /*! Highest code, up to 31, for which closure(latticeOuter(code)) is true, or 0. If it is true for a code, it must
-       *  be true for all lower codes. */
+      /*! Highest code, up to 31, for which closure(latticeOuterOffset(code)) is true, or 0. If it is true for a code,
+       *  it must be true for all lower codes. */
       template<typename Closure>
       static Int4 highest(const Closure& closure)
       {
@@ -172,7 +172,7 @@ namespace embree
         uint32_t active = encoded;
         for (int iteration=0; iteration<maxFitIterations && active; iteration++)
         {
-          const Mask4 mask = maskOf(active);
+          const Mask4 mask = maskFromBits(active);
           Double4 largest = 0.0;
           moveToVertex<0>(mask,largest); moveToVertex<1>(mask,largest); moveToVertex<2>(mask,largest);
           moveToVertex<3>(mask,largest); moveToVertex<4>(mask,largest); moveToVertex<5>(mask,largest);
@@ -219,9 +219,9 @@ namespace embree
         }
       };
 
-      /*! Height of the surface above a point on the middle plane of an axis. isUpper: in the upper cells of the other
-       *  axis. */
-      Double4 heightOver(const LineCrossing& p, int axis, Mask4 isUpper) const
+      /*! Deviation at a crossing: height of the surface above the edge. isUpper: the crossing is in the upper cells of
+       *  the other axis. */
+      Double4 deviationAt(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // indices of heights
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
@@ -230,9 +230,9 @@ namespace embree
         return from + u*(to-from) - p.z;
       }
 
-      /*! Bounds of the surface's height above the two edges of a row or column. The exact range contains lowest[0] to
-       *  highest[0], and lies within lowest[1] to highest[1]. They differ only in middle rows and columns. */
-    struct Range4
+      /*! Bounds of a Lattice::Range per lane. The exact range contains lowest[0] to highest[0], and lies within
+       *  lowest[1] to highest[1]. They differ only in middle rows and columns. */
+      struct RangeBounds4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
 
@@ -242,25 +242,25 @@ namespace embree
         }
       };
 
-      /*! Bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at x, before or after
-       *  vertex b, which results in three pieces. Each differs from its chord by its sag.
+      /*! Bounds of GroupLine::deviationRange(). The edges of the row (axis 1) or column (axis 0) cross the middle plane
+       *  at x, before or after vertex b, which results in three pieces. Each differs from its chord by its sag.
        *
        *    a-----x--b--------c    the plane is at x */
       template<int axis, int line>
-      Range4 rangeOf() const
+      RangeBounds4 deviationRange() const
       {
         constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
         const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step],
           *const c = groups.vertices[v+2*step];
         const Double4 da = deviation[v], db = deviation[v+step], dc = deviation[v+2*step];
-        Range4 range;
+        RangeBounds4 range;
 
         const Mask4 first = upper[along][line]; // the edge crosses the plane before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
-        const Double4 dx = heightOver(x,along,
-          line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
+        const Double4 dx = deviationAt(x,along,
+          line == 0 ? maskFromBits(0) : line == 2 ? maskFromBits(15) : planes[axis][1] <= x.across);
 
         /* products of the pieces' extents on both axes */
         const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
@@ -272,8 +272,9 @@ namespace embree
         for (int i=0; i<3; i++)
         {
           const Double4 low = min(ends[i],ends[i+1]), high = max(ends[i],ends[i+1]);
-          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j));
-            };
+          auto factor = [&](int j) {
+            return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j));
+          };
           if (line != 1) {
             const Double4 sag = piece[i]*factor(line/2);
             for (int bound=0; bound<2; bound++) range.add(low+min(sag,0.0),high+max(sag,0.0),bound);
@@ -289,8 +290,8 @@ namespace embree
         if (line == 1)
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
-            const Mask4 crosses = maskOf(upper[axis][i].bits() ^ upper[axis][i+1].bits());
-            const Double4 dy = select(crosses,heightOver(y,axis,planes[along][1] <= y.across),db);
+            const Mask4 crosses = maskFromBits(upper[axis][i].bits() ^ upper[axis][i+1].bits());
+            const Double4 dy = select(crosses,deviationAt(y,axis,planes[along][1] <= y.across),db);
             range.add(dy,dy,0);
             range.add(dy-largest,dy+largest,1);
           }
@@ -328,7 +329,7 @@ namespace embree
       {
         const uint32_t lanes = groups.border[axis][upper] & encoded;
         if (!lanes) return;
-        const Mask4 mask = maskOf(lanes);
+        const Mask4 mask = maskFromBits(lanes);
         constexpr int step = axis == 0 ? 3 : 1, v = 2*upper*(axis == 0 ? 1 : 3);
         raiseToVertex<v>(mask,slack);
         raiseToVertex<v+step>(mask,slack);
@@ -337,7 +338,7 @@ namespace embree
         computeDeviation<v+step>();
         computeDeviation<v+2*step>();
         computeUnitSags();
-        const uint32_t certain = (slack+margin() <= rangeOf<axis,2*upper>().lowest[1]).bits();
+        const uint32_t certain = (slack+margin() <= deviationRange<axis,2*upper>().lowest[1]).bits();
         double slacks[4];
         slack.store(slacks);
         for (uint32_t rest = lanes & ~certain; rest; rest &= rest-1)
@@ -358,12 +359,12 @@ namespace embree
         computeDeviation<6>(); computeDeviation<7>(); computeDeviation<8>();
         computeUnitSags();
         Double4 least = 0.0, most = 0.0;
-        auto add = [&](const Range4& range) {
+        auto add = [&](const RangeBounds4& range) {
           least = max(least,max(Double4(0.0)-range.lowest[0],range.highest[0]));
           most = max(most,max(Double4(0.0)-range.lowest[1],range.highest[1]));
         };
-        add(rangeOf<0,0>()); add(rangeOf<0,1>()); add(rangeOf<0,2>());
-        add(rangeOf<1,0>()); add(rangeOf<1,1>()); add(rangeOf<1,2>());
+        add(deviationRange<0,0>()); add(deviationRange<0,1>()); add(deviationRange<0,2>());
+        add(deviationRange<1,0>()); add(deviationRange<1,1>()); add(deviationRange<1,2>());
         least = least+slack-margin();
         most = most+slack+margin();
         Int4 code = 0;
@@ -441,7 +442,7 @@ namespace embree
       Double4 position[9][2];  //!< of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 deviation[9];    //!< height of the surface above vertices; set by computeDeviation()
+      Double4 deviation[9];    //!< of the surface from vertices: its height above them; set by computeDeviation()
       Double4 unitSag[4];      //!< per cell: sag of a straight line that advances by 1 on both axes
       Double4 leafThickness;
     };
