@@ -79,7 +79,7 @@ std::string frameLevelAfter(const char* mark, const Representation& r)
 
 } // namespace
 
-const int maxLevel = int(embree::cbvh::maxLevel);
+const int maxLevel = int(embree::cbvh::maxFramedLevel);
 
 const std::vector<RepresentationKind>& representationKinds()
 {

@@ -26,7 +26,7 @@ constexpr uint32_t headerBytes = 76;
 TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
 {
   uint32_t quads = 1, nodes = 0; // 4^h, (4^h - 1)/3
-  for (uint32_t height = 0; height <= maxLevel; height++) {
+  for (uint32_t height = 0; height <= maxFramedLevel; height++) {
     const uint32_t width = (1u << height) + 1;
     const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // number of nodes in h-1 levels
     const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height),
@@ -53,7 +53,7 @@ TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
 TEST(BlockFormat, InfoRoundTripsLimitsOfEveryField)
 {
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
-    for (uint32_t height = 0; height <= maxLevel; height++)
+    for (uint32_t height = 0; height <= maxFramedLevel; height++)
       for (uint32_t x : {0u, (256u >> height) - 1})
         for (uint32_t width : {0, 15}) {
           Block block;
@@ -130,7 +130,7 @@ TEST(BlockFormat, ConstantsMatchPage)
                                       {"alignment of a block, bytes", blockAlignment},
                                       {"type of a block in the tree", FRAMED_BLOCK},
                                       {"bytes of the header", blockHeaderBytes},
-                                      {"height of a block, at most", maxLevel}});
+                                      {"height of a block, at most", maxFramedLevel}});
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
@@ -145,7 +145,7 @@ TEST(BlockFormat, SizesMatchPage)
     for (uint32_t kind = 0; kind < numKindFormats; kind++)
       EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
   }
-  EXPECT_EQ(rows, maxLevel + 1);
+  EXPECT_EQ(rows, maxFramedLevel + 1);
 }
 
 // Vertices (i, j, z), row by row, of a block in framed_example.md.

@@ -26,7 +26,7 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
   ASSERT_EQ(std::size(expected), numKinds);
   for (const auto& e : expected) {
     SCOPED_TRACE(e.name);
-    const KindDescription& row = describe(e.kind);
+    const KindDescription& row = descriptionOf(e.kind);
     EXPECT_EQ(uint32_t(row.kind), e.number);
     EXPECT_EQ(int(row.compression()), e.compression);
     EXPECT_STREQ(row.key, e.key);

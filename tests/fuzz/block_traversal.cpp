@@ -3,10 +3,10 @@
 
 /* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all three kinds.
  *
- * Preconditions of traversal hold: the kind matches the leaf type of the top level, the height is at most maxLevel, and
- * the block has all bytes of its layout. Everything else is arbitrary: traversal must not read outside of the block,
- * must not have undefined behavior, and must terminate. If frame and ray are also valid input of a builder and of an
- * application (FRAME and RAY below)
+ * Preconditions of traversal hold: the kind matches the leaf type of the top level, the height is at most
+ * maxFramedLevel, and the block has all bytes of its layout. Everything else is arbitrary: traversal must not read
+ * outside of the block, must not have undefined behavior, and must terminate. If frame and ray are also valid input of
+ * a builder and of an application (FRAME and RAY below)
  *   - every hit lies between tnear and tfar, and each accepted hit is no farther than the previous one, with finite
  *     parameters, which are inside the block for cLEAF and cVOXEL;
  *   - closest hit and any hit agree on the existence of a hit.
@@ -191,7 +191,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   Block header;
   memcpy(&header, data, sizeof(header));
   const Kind kind = Kind(header.info % 3);
-  const uint32_t height = header.height() % (maxLevel + 1);
+  const uint32_t height = header.height() % (maxFramedLevel + 1);
   header.info = (header.info & ~255u) | uint32_t(kind) | (height << 4);
   header.surface = 0;
   const uint32_t bytes = header.layout().bytes;

@@ -33,7 +33,7 @@ using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
-constexpr size_t readPast = 16;   // the same as in VertPatchBuilder
+constexpr size_t readPadding = 16;   // the same as in VertPatchBuilder
 
 // Returns the bytes of the block, including its table of numbers, wherever it is stored, or 0 if there are fewer.
 size_t blockBytes(const uint8_t* data, size_t size)
@@ -175,7 +175,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const size_t bytes = blockBytes(data, size);
   if (bytes == 0) return 0;
   std::vector<uint8_t> padded(data, data + bytes);
-  padded.resize(bytes + readPast);
+  padded.resize(bytes + readPadding);
   const ExactMemory memory(padded.data(), padded.size(), alignment);
   VertHeader* block = (VertHeader*)memory.get();
   block->surface = 0;

@@ -267,7 +267,7 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
         ranges.push_back(
           {(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
   };
-  const size_t readPast = 16;
+  const size_t readPadding = 16;
   size_t overEndOfPage[2] = {0, 0}; // of blocks of grids, and of mesh blocks
   Random random(241);
   for (int i = 0; i < 1000; i++) {
@@ -293,10 +293,10 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
       const char* end = begin + flat->blocks[b].bytes;
       EXPECT_TRUE(
         std::any_of(ranges.begin(), ranges.end(),
-                    [&](const Range& r) { return begin >= r.begin && end + readPast <= r.begin + r.bytes; }))
+                    [&](const Range& r) { return begin >= r.begin && end + readPadding <= r.begin + r.bytes; }))
         << "scene " << i << ", block " << b;
       const bool isMesh = flat->blocks[b].type == embree::cbvh::meshBlockReference;
-      overEndOfPage[isMesh] += (size_t(end) - 1)/4096 != (size_t(end) + readPast - 1)/4096;
+      overEndOfPage[isMesh] += (size_t(end) - 1)/4096 != (size_t(end) + readPadding - 1)/4096;
     }
     rtcReleaseFlatScene(flat);
   }

@@ -78,7 +78,7 @@ namespace embree
   static const char* compressionName (RTCCompression compression)
   {
     cbvh::Kind kind;
-    return cbvh::findKind(compression,kind) ? cbvh::describe(kind).name : "GRID";
+    return cbvh::findKind(compression,kind) ? cbvh::descriptionOf(kind).name : "GRID";
   }
 
   bool hasUncompressedMotion (Scene* scene)

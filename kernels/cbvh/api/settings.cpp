@@ -94,8 +94,8 @@ namespace embree
     if (value == "auto") { frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO; return; }
     char* end = nullptr;
     const long n = strtol(value.c_str(),&end,10);
-    if (value.empty() || *end != 0 || n < 0 || n > long(cbvh::maxLevel))
-      throwInvalid(name,value,"expected 0 to " + std::to_string(cbvh::maxLevel) + " or auto");
+    if (value.empty() || *end != 0 || n < 0 || n > long(cbvh::maxFramedLevel))
+      throwInvalid(name,value,"expected 0 to " + std::to_string(cbvh::maxFramedLevel) + " or auto");
     frameLevel = int(n);
   }
 

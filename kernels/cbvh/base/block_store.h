@@ -46,11 +46,11 @@ namespace embree
         return bytes.data()+used;
       }
 
-      /*! Adds the block that was written to the space of the last reserve(). type: a PrimitiveType. readPast: bytes
+      /*! Adds the block that was written to the space of the last reserve(). type: a PrimitiveType. readPadding: bytes
        *  after the block that decoders may read. */
-      void commit (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
+      void commit (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPadding = 0)
       {
-        pending.push_back(PendingBlock{ used,bounds,type,readPast });
+        pending.push_back(PendingBlock{ used,bounds,type,readPadding });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
@@ -72,7 +72,7 @@ namespace embree
           const size_t begin = pending[i].offset;
           for (next=i+1; next<pending.size() && pending[next].offset-begin < maxPieceBytes; next++);
           const size_t size = (next < pending.size() ? pending[next].offset : used) - begin;
-          char* piece = (char*)memory->allocate(size+pending[next-1].readPast);
+          char* piece = (char*)memory->allocate(size+pending[next-1].readPadding);
           memcpy(piece,bytes.data()+begin,size);
           for (size_t k=i; k<next; k++)
             addPrimitive(pending[k].bounds,
@@ -102,7 +102,7 @@ namespace embree
         size_t offset; //!< in `bytes`
         BBox3fa bounds;
         uint32_t type;
-        size_t readPast;
+        size_t readPadding;
       };
       mvector<uint8_t> bytes; //!< the buffer, which never shrinks
       size_t used = 0;        //!< bytes of the buffer that contain blocks

@@ -31,16 +31,16 @@ CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 /*! Bit mask of the kinds with frames. */
 CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
-/*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
-CVERT_CONSTANT uint32_t maxLevel = 8u;
+/*! Highest level of a patch that is stored in blocks with frames: 2^maxFramedLevel quads per side. */
+CVERT_CONSTANT uint32_t maxFramedLevel = 8u;
 
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf in large enough blocks
   uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
-  uint32_t groupBytes;    //!< data of 2 x 2 leaves, the children of a node of the last level; 0 if leaves have none
-  uint32_t vertexBytes;   //!< per stored vertex; 0 if blocks store no vertices
-  uint32_t readPast;      //!< bytes that decoders read after the last leaf
+  uint32_t bytesPerGroup; //!< of the leaves below one node of the last level, 2 x 2; 0 if the kind has no groups
+  uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
+  uint32_t readPadding;   //!< bytes after the last leaf, which decoders may read
 };
 
 /*! Formats of the kinds with frames, indexed by kind. */
@@ -96,8 +96,8 @@ static_assert(RTC_COMPRESSION_CLEAF - RTC_COMPRESSION_CGRID == kindLeaf,
 static_assert(RTC_COMPRESSION_CVERT - RTC_COMPRESSION_CGRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
-/*! Requires a kind of kindDescriptions. */
-inline const KindDescription& describe (Kind kind)
+/*! Returns the entry of kindDescriptions for a kind, which must have one. */
+inline const KindDescription& descriptionOf (Kind kind)
 {
   uint32_t row = 0;
   while (kindDescriptions[row].kind != kind) row++;

@@ -178,7 +178,7 @@ namespace embree
           const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
           if (sums.numBlocks == 0) continue;
           if (moves) caches |= sums.numIrregularQuads ? cbvh::meshMotionCache : cbvh::motionCache;
-          else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
+          else if (!cbvh::descriptionOf(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
           else caches |= cbvh::nodeCache | (sums.numFallbackQuads ? cbvh::vertCache : 0u);
           if (!moves && sums.numIrregularQuads) caches |= cbvh::meshCache;
         }
@@ -273,7 +273,7 @@ namespace embree
         Lock<MutexSys> lock(g_printMutex);
         if (total.highRateQuads)
           std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
-                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel)
+                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxFramedLevel)
                     << " are traced by GRID" << std::endl;
         if (total.framelessQuads)
           std::cerr << geometry << total.framelessQuads

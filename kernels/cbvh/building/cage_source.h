@@ -89,8 +89,8 @@ namespace embree
       public:
         Writer (const CageSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), plan(source.plan), store(store), statistics(statistics),
-            framed(plan,source.mesh,store,statistics),
-            vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
+            framedWriter(plan,source.mesh,store,statistics),
+            vertWriter(plan,source.mesh->device,store,statistics), gridWriter(source.mesh,store,statistics) {}
 
         /*! Returns false if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
@@ -98,16 +98,17 @@ namespace embree
           switch (plan.storage(patch.rate)) {
           case CompressionPlan::GRID:
             store.flush();
-            grids.write(patch.embreePatch());
+            gridWriter.write(patch.embreePatch());
             if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
           case CompressionPlan::FRAMED:
-            if (!framed.write(patch,source.tilingOf(face,patch.rate)))
-              vert.write(patch,[&](unsigned) { return framed.evaluatedVertices(patch.quads[0],patch.quads[1]); });
+            if (!framedWriter.write(patch,source.tilingOf(face,patch.rate)))
+              vertWriter.write(patch,[&](unsigned) {
+                return framedWriter.evaluatedVertices(patch.quads[0],patch.quads[1]); });
             break;
           case CompressionPlan::VERT:
             if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
-            vert.write(patch,[&](unsigned step) { return patch.evaluatedVertices(step); });
+            vertWriter.write(patch,[&](unsigned step) { return patch.evaluatedVertices(step); });
             break;
           }
           return true;
@@ -118,9 +119,9 @@ namespace embree
         const CompressionPlan& plan;
         BlockStore& store;
         cbvh::BuildStatistics& statistics;
-        FramedWriter framed;
-        VertWriter vert;
-        const GridSOAWriter grids;
+        FramedWriter framedWriter;
+        VertWriter vertWriter;
+        const GridSOAWriter gridWriter;
       };
 
     private:

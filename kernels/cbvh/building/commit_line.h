@@ -93,7 +93,7 @@ namespace embree
           const Compressed& kindEntry = entry.second;
           text += (text.empty() ? "" : ", ") + std::to_string(kindEntry.count) + " "
             + (kindEntry.count == 1 ? kindEntry.names.geometry : kindEntry.names.geometries) + " as "
-              + cbvh::describe(entry.first.second).name;
+              + cbvh::descriptionOf(entry.first.second).name;
         }
         return text.empty() ? "nothing" : text;
       }

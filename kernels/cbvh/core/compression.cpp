@@ -36,9 +36,9 @@ namespace embree
     void validate (const CompressionSettings& settings)
     {
       validateCompression(settings.compression);
-      require(settings.frameLevel >= RTC_COMPRESSION_FRAME_LEVEL_INHERIT && settings.frameLevel <= int(cbvh::maxLevel),
-          "frameLevel",settings.frameLevel,
-              "0 to " + std::to_string(cbvh::maxLevel) + ", AUTO or INHERIT");
+      const int maxFrameLevel = int(cbvh::maxFramedLevel);
+      require(settings.frameLevel >= RTC_COMPRESSION_FRAME_LEVEL_INHERIT && settings.frameLevel <= maxFrameLevel,
+          "frameLevel",settings.frameLevel,"0 to " + std::to_string(maxFrameLevel) + ", AUTO or INHERIT");
       require(std::isfinite(settings.maxError),"maxError",settings.maxError,
           "a distance, or a negative number to inherit");
       require(std::isfinite(settings.maxPixelError) && settings.maxPixelError >= 0.0f,"maxPixelError",

@@ -36,7 +36,8 @@ namespace embree
       const BlockHeader& header = *(const BlockHeader*)data;
       const uint32_t kind = kindOf(header.info), height = heightOf(header.info);
       if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return Reason::damaged("its kind % is unknown",kind);
-      if (height > maxLevel) return Reason::damaged("its height % is out of range: expected 0 to %",height,maxLevel);
+      if (height > maxFramedLevel)
+        return Reason::damaged("its height % is out of range: expected 0 to %",height,maxFramedLevel);
       if (!isFrame(header)) return Reason::damaged("its frame is not finite, or maps all points to one point");
       if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling)))
         return Reason::damaged("its patch starts outside of its face");

@@ -21,7 +21,7 @@ CBVH_BEGIN
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! True if words of the last node level are groups of leaves (leaf/format.h). */
-CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
+CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].bytesPerGroup != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
@@ -49,8 +49,8 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
   sizes.leavesPerSide = 1u << sizes.nodeLevels;
   sizes.numNodes = nodesOfLevels(sizes.nodeLevels);
   sizes.leafOffset = blockHeaderBytes + 4u*sizes.numNodes;
-  sizes.leafBytes = kindFormats[kind].groupBytes*sizes.leavesPerSide*sizes.leavesPerSide/4u
-                   + kindFormats[kind].vertexBytes*width*width + kindFormats[kind].readPast;
+  sizes.leafBytes = kindFormats[kind].bytesPerGroup*sizes.leavesPerSide*sizes.leavesPerSide/4u
+                   + kindFormats[kind].bytesPerVertex*width*width + kindFormats[kind].readPadding;
   sizes.bytes = sizes.leafOffset + sizes.leafBytes;
   sizes.stride = (sizes.bytes + blockAlignment-1u) & ~(blockAlignment-1u);
   return sizes;

@@ -6,13 +6,13 @@
 /* Encodes a block: fits a frame (frame_fit.h), then encodes nodes top-down, each relative to the decoded box of its
  * parent, so that rounding errors cannot accumulate.
  *
- * Encoders of leaves, one per kind, have these members. m is an index in Morton order, box the decoded box.
+ * Encoders of leaves, one per kind, have these members. m is an index in Morton order. Boxes are decoded.
  *
- *    uint32_t group (uint32_t m, const NodeBox& box)
+ *    uint32_t encodeGroup (uint32_t m, const NodeBox& box)
  *      Encodes a group of the last node level, for kinds that have groups. Returns its word.
- *    void fourGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+ *    void encodeSiblingGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
  *      Encodes groups m to m+3, the children of one node, and stores their words.
- *    void leaf (uint32_t m, const NodeBox& box)
+ *    void encodeLeaf (uint32_t m, const NodeBox& box)
  *      Encodes a leaf, for kinds without groups.
  *    void finish ()
  *      Called once, after all leaves. */
@@ -61,28 +61,29 @@ namespace embree
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 
     private:
-      template<typename Leaves>
-      void encodeWith(Leaves leaves, Block* block)
+      template<typename Encoder>
+      void encodeWith(Encoder encoder, Block* block)
       {
-        encodeNodes(leaves,block->nodes(),block->layout().nodeLevels,0,0,rootBox());
-        leaves.finish();
+        encodeSubtree(encoder,block->nodes(),block->layout().nodeLevels,0,0,rootBox());
+        encoder.finish();
       }
 
-      template<typename Leaves>
-      void encodeNodes(Leaves& leaves, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m,
+      /*! Encodes node m of a level, and everything below. nodes: words of the block. box: decoded box of the node. */
+      template<typename Encoder>
+      void encodeSubtree(Encoder& encoder, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m,
         const NodeBox& box)
       {
-        if (level == nodeLevels) { leaves.leaf(m,box); return; }
+        if (level == nodeLevels) { encoder.encodeLeaf(m,box); return; }
         uint32_t& word = nodes[nodesOfLevels(level)+m];
-        if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = leaves.group(m,box); return; }
+        if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = encoder.encodeGroup(m,box); return; }
         word = encodeNode(box,&geometry.boxOf(level+1,4*m));
         const NodeBoxes boxes(word,box);
         if (level+2 == nodeLevels && hasGroups(uint32_t(kind))) {
-          leaves.fourGroups(4*m,boxes,nodes+nodesOfLevels(level+1)+4*m);
+          encoder.encodeSiblingGroups(4*m,boxes,nodes+nodesOfLevels(level+1)+4*m);
           return;
         }
         for (uint32_t c=0; c<4; c++)
-          encodeNodes(leaves,nodes,nodeLevels,level+1,4*m+c,boxes[c]);
+          encodeSubtree(encoder,nodes,nodeLevels,level+1,4*m+c,boxes[c]);
       }
 
       Kind kind;

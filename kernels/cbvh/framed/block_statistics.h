@@ -17,7 +17,7 @@ namespace embree
       uint32_t solidLeaves = 0;
       bool affine = false;         //!< of the frame
       float maxThickness = 0;      //!< largest thickness, in world space
-      LeafFit fit;
+      LeafFit leafFit;
 
       /*! Adds a leaf, and returns its thickness in world space: the distance between the plane z = slope (x,y) through
        *  the middle of a box and the same plane moved up by `thickness`. The length of the plane's world-space normal

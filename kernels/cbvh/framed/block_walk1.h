@@ -44,7 +44,7 @@ namespace embree
           uint32_t number; //!< of the tile, see BlockTiles::isCached
           NodeEntries::Tile* tile;
         };
-        Level levels[maxLevel/2+1];
+        Level levels[maxFramedLevel/2+1];
 
       public:
         __forceinline BlockWalk1 (const NodeRay& ray, BlockTiles& tiles, Visitor& visitor)

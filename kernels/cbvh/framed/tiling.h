@@ -33,12 +33,12 @@ namespace embree
       unsigned quadsY () const { return unsigned(quads.y); }
     };
 
-    /*! Smallest level, up to maxLevel, with 2^level not below the highest rate. */
+    /*! Smallest level, up to maxFramedLevel, with 2^level not below the highest rate. */
     inline unsigned levelOf (const float rate[4])
     {
       unsigned level = 0;
       const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-      while (level < cbvh::maxLevel && float(1u << level) < highest) level++;
+      while (level < cbvh::maxFramedLevel && float(1u << level) < highest) level++;
       return level;
     }
 

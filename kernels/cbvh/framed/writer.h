@@ -22,9 +22,9 @@ namespace embree
       /*! If plan.sharesBorders(), faces share the vertices of borders (surface/shared_border.h), and write() may return
        *  false. The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
-          unsharedVertices(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0),
-          encoded(mesh->device,0) {}
+        : plan(plan), sharesBorders(plan.sharesBorders()), store(store), statistics(statistics),
+          gridWriter(mesh,store,statistics), unsharedVertices(mesh->device,0), vertices(mesh->device,0),
+          scratch(mesh->device,0), encoded(mesh->device,0) {}
 
       /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, or the patch's level.
        *  Encodes blocks to measure this, but writes nothing. */
@@ -38,16 +38,17 @@ namespace embree
           if (tiling.quadsX() != evaluatedTiling.quadsX() || tiling.quadsY() != evaluatedTiling.quadsY())
             evaluate(patch,tiling);
           evaluatedTiling = tiling;
-          cbvh::BlockStatistics worst;
-          for (unsigned i=0; i < tiling.size() && worst.maxThickness <= plan.settings.maxError; i++)
+          cbvh::BlockStatistics levelStatistics; // of all blocks
+          for (unsigned i=0; i < tiling.size() && levelStatistics.maxThickness <= plan.settings.maxError; i++)
           {
             TiledBlock tiled(plan.kind(),tiling,i);
             encoded.resize(tiled.layout.bytes/sizeof(Vec3fa)+1);
             loadBlock(tiled);
             cbvh::BlockEncoder encoder(tiled.kind,tiled.height,vertexData(),scratch.data());
-            if (encoder.fit(tiled.corners)) encoder.encode((cbvh::Block*)encoded.data(),tiled.x,tiled.y,worst);
+            if (encoder.fit(tiled.corners))
+              encoder.encode((cbvh::Block*)encoded.data(),tiled.x,tiled.y,levelStatistics);
           }
-          if (worst.maxThickness <= plan.settings.maxError) return n;
+          if (levelStatistics.maxThickness <= plan.settings.maxError) return n;
         }
         return level;
       }
@@ -59,7 +60,8 @@ namespace embree
         /* holes: quads with vertices that are not finite */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bounds(lower,upper);
-        const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
+        const bool supportsHoles = cbvh::descriptionOf(plan.kind()).supportsHoles;
+        const cbvh::Kind kind = hasHoles && !supportsHoles ? kindForHoles : plan.kind();
         const uint32_t sharpSides = patch.sharpSides();
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
         encoded.resize(count*stride/sizeof(Vec3fa));
@@ -70,10 +72,10 @@ namespace embree
           patchHitBounds.extend(lower[0],lower[1],lower[2]);
           patchHitBounds.extend(upper[0],upper[1],upper[2]);
         }
-        fit = cbvh::LeafFit();
-        const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
+        leafFit = cbvh::LeafFit();
+        const size_t numQuads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
         /* up to two per quad on the border: a block of one quad has four leaves */
-        const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
+        const size_t maxEdges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
         for (size_t k=0; k<count; k++) {
           /* in diagonal order, so that the first blocks are a sample of the patch */
           const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x;
@@ -81,10 +83,11 @@ namespace embree
           tiled.sharpSides = sharpSides & tiled.sidesOfPatch();
           cbvh::Block* const block = (cbvh::Block*)((char*)encoded.data()+tiled.index*stride);
           writeBlock(patch,tiled,block,patchStatistics,patchHitBounds);
-          if (shares && (patchStatistics.framelessQuads || fit.isClearlyPoor(quads,edges))) return false;
+          if (sharesBorders && patchStatistics.framelessQuads) return false;
+          if (sharesBorders && leafFit.isClearlyPoor(numQuads,maxEdges)) return false;
         }
-        if (shares && fit.isPoor()) return false;
-        if (kind != plan.kind()) statistics.quadsForHoles += quads;
+        if (sharesBorders && leafFit.isPoor()) return false;
+        if (kind != plan.kind()) statistics.quadsForHoles += numQuads;
         statistics.merge(patchStatistics);
         store.hitBounds.extend(patchHitBounds);
         for (size_t i=0; i<count; i++)
@@ -127,14 +130,14 @@ namespace embree
         }
       };
 
-      /*! Evaluates a patch, shares its borders if `shares`, and spreads them. */
+      /*! Evaluates a patch, shares its borders if `sharesBorders`, and spreads them. */
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
         patchVertices = &patch.evaluate(tiling.quadsX(),tiling.quadsY(),all,0);
         isStitched = tiling.quadsX() != unsigned(min(patch.rate[0],patch.rate[2]))
           || tiling.quadsY() != unsigned(min(patch.rate[1],patch.rate[3]));
-        if (!shares) {
+        if (!sharesBorders) {
           if (!isStitched) return;
           spreadBorders(patch.rate,*patchVertices,patchVertices->undisplaced());
           spreadBorders(patch.rate,*patchVertices,patchVertices->displaced());
@@ -162,8 +165,8 @@ namespace embree
         scratch.resize((cbvh::BlockEncoder::scratchBytes(tiled.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
         for (size_t r=0; r<w; r++)
           memcpy(&vertices[3*r*w],patchVertices->displaced()[(y0+r)*patchVertices->width+x0],3*w*sizeof(float));
-        const bool toLimit = cbvh::describe(tiled.kind).alignsToLimit;
-        float (*aligned)[3] = toLimit ? patchVertices->undisplaced() : patchVertices->displaced();
+        const bool alignsToLimit = cbvh::descriptionOf(tiled.kind).alignsToLimit;
+        float (*aligned)[3] = alignsToLimit ? patchVertices->undisplaced() : patchVertices->displaced();
         for (size_t c=0; c<4; c++)
           memcpy(tiled.corners[c],aligned[(y0 + (c>>1)*(w-1))*patchVertices->width + x0 + (c&1)*(w-1)],
                  sizeof(float[3]));
@@ -188,28 +191,30 @@ namespace embree
         cbvh::BlockEncoder encoder(tiled.kind,tiled.height,vertexData(),scratch.data());
         const bool fits = encoder.fit(tiled.corners);
         const bool isFrameless = !fits || encoder.isDegenerate();
-        const unsigned quads = 1u << tiled.height;
-        if (isFrameless && shares) {
-          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
+        const unsigned quadsPerSide = 1u << tiled.height;
+        const size_t numQuads = size_t(quadsPerSide)*size_t(quadsPerSide);
+        if (isFrameless && sharesBorders) {
+          patchStatistics.framelessQuads += numQuads;
           return; // the patch becomes cVERT
         }
         if (isFrameless && finite == count && !isStitched) {
-          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
-          patchStatistics.framelessQuadsInGrid += size_t(quads)*size_t(quads);
-          grids.write(patch.embreePatch(),tiled.x*quads,(tiled.x+1)*quads,tiled.y*quads,(tiled.y+1)*quads);
+          patchStatistics.framelessQuads += numQuads;
+          patchStatistics.framelessQuadsInGrid += numQuads;
+          gridWriter.write(patch.embreePatch(),tiled.x*quadsPerSide,(tiled.x+1)*quadsPerSide,
+                           tiled.y*quadsPerSide,(tiled.y+1)*quadsPerSide);
           return;
         }
         if (!fits) { countAsInvalid(tiled,patchStatistics); return; }
         if (isFrameless && tiled.kind != cbvh::Kind::GRID) {
           /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
            * of cGRID are exact in any frame. */
-          patchStatistics.framelessQuads += size_t(quads)*size_t(quads);
-          TiledBlock exact(cbvh::Kind::GRID,tiled.tiling,tiled.index);
-          avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
+          patchStatistics.framelessQuads += numQuads;
+          TiledBlock cgridBlock(cbvh::Kind::GRID,tiled.tiling,tiled.index);
+          avector<Vec3fa> memory(cgridBlock.layout.stride/sizeof(Vec3fa));
           const BBox3fa before = blockBounds[tiled.index];
-          writeBlock(patch,exact,(cbvh::Block*)memory.data(),patchStatistics,patchHitBounds);
+          writeBlock(patch,cgridBlock,(cbvh::Block*)memory.data(),patchStatistics,patchHitBounds);
           if (!blockBounds[tiled.index].empty())
-            store.add(memory.data(),exact.layout.stride,blockBounds[tiled.index],cbvh::FRAMED_BLOCK);
+            store.add(memory.data(),cgridBlock.layout.stride,blockBounds[tiled.index],cbvh::FRAMED_BLOCK);
           blockBounds[tiled.index] = before;
           return;
         }
@@ -221,7 +226,7 @@ namespace embree
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(tiled.tiling.x-1,tiled.tiling.y-1,patch.corner[0],patch.corner[1]);
         addToStatistics(patchStatistics,tiled,blockStatistics);
-        fit.merge(blockStatistics.fit);
+        leafFit.merge(blockStatistics.leafFit);
         encoder.extendByHits(patchHitBounds,block);
         blockBounds[tiled.index] = toBBox(encoder.surfaceBounds());
       }
@@ -238,7 +243,7 @@ namespace embree
         sums.numInvalidQuads += block.invalidQuads;
         sums.numAffineBlocks += block.affine;
         sums.numSolidLeaves += block.solidLeaves;
-        sums.numFlippedQuads += block.fit.flippedQuads;
+        sums.numFlippedQuads += block.leafFit.flippedQuads;
         sums.maxLeafThickness = max(sums.maxLeafThickness,block.maxThickness);
       }
 
@@ -247,11 +252,11 @@ namespace embree
       }
 
       const CompressionPlan& plan;
-      const bool shares;
+      const bool sharesBorders;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      const GridSOAWriter grids;
-      cbvh::LeafFit fit;             //!< of the current patch
+      const GridSOAWriter gridWriter;
+      cbvh::LeafFit leafFit;         //!< of the current patch
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the patch has quads
       std::vector<BBox3fa> blockBounds; //!< by position in the tiling; empty for blocks that were not encoded

@@ -58,7 +58,7 @@ namespace embree
 
       bool maxErrorSetsFrameLevel () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
-          && cbvh::describe(kind()).hasThickness;
+          && cbvh::descriptionOf(kind()).hasThickness;
       }
 
       enum Storage { GRID, FRAMED, VERT }; //!< Embree's GRID, blocks with frames, or cVERT
@@ -70,7 +70,7 @@ namespace embree
         if (moves()) return VERT; // maxVertRate is Embree's highest rate
         if (!compresses()) return GRID;
         if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
-        if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
+        if (highest <= float(1u << cbvh::maxFramedLevel)) return FRAMED;
         return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 

@@ -16,9 +16,9 @@ namespace embree
     public:
       GridEncoder(const BlockGeometry& geometry, Block* block, BlockStatistics&) : geometry(geometry), block(block) {}
 
-      void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
-      uint32_t group(uint32_t, const NodeBox&) { return 0; }
-      void leaf(uint32_t, const NodeBox&) {}
+      void encodeSiblingGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
+      uint32_t encodeGroup(uint32_t, const NodeBox&) { return 0; }
+      void encodeLeaf(uint32_t, const NodeBox&) {}
 
       void finish()
       {
@@ -28,7 +28,7 @@ namespace embree
           for (uint32_t i=0; i<count; i++)
             // rays could hit triangles with infinities, but no triangles with NaN
             *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;
-        for (uint32_t i=0; i<kindFormats[kindGrid].readPast/sizeof(float); i++) *out++ = 0.0f;
+        for (uint32_t i=0; i<kindFormats[kindGrid].readPadding/sizeof(float); i++) *out++ = 0.0f;
       }
 
     private:

@@ -19,21 +19,21 @@ namespace embree
     public:
       /*! sharpSides: see BlockEncoder::encode(). The other arguments must outlive the object. */
       LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
-        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
+        : geometry(geometry), block(block), groupHeights((Heights*)block->leaves()), sharpSides(sharpSides),
           statistics(statistics) {}
 
-      /*! Stores the heights of group m, and returns its word. box: decoded. */
-      uint32_t group(uint32_t m, const NodeBox& box)
+      /* Members of all encoders of leaves: see block_encoder.h. */
+
+      uint32_t encodeGroup(uint32_t m, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
-        return add(m,quads,encodeGroup(box,quads),box);
+        return storeGroup(m,quads,cbvh::encodeGroup(box,quads),box);
       }
 
-      /*! As above, for groups m to m+3, the children of a node. */
-      void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+      void encodeSiblingGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.areAllFinite()) {
-          for (uint32_t c=0; c<4; c++) words[c] = group(m+c,boxes[c]);
+          for (uint32_t c=0; c<4; c++) words[c] = encodeGroup(m+c,boxes[c]);
           return;
         }
         const GroupLanes lanes(geometry,m);
@@ -41,21 +41,21 @@ namespace embree
         lattices.encode();
         if (lattices.encoded)
         {
-          lattices.store(words,groups+m);
+          lattices.store(words,groupHeights+m);
           const LeafLanes leaves(geometry,m,boxes,lanes,lattices);
           borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
           for (int quad=0; quad<4; quad++)
           {
             const uint32_t goodLeaves = lattices.encoded & leaves.goodLeaves(quad,statistics.maxThickness);
-            for (uint32_t c=0; c<4; c++) statistics.fit.quads += goodLeaves >> c & 1;
+            for (uint32_t c=0; c<4; c++) statistics.leafFit.quads += goodLeaves >> c & 1;
             for (uint32_t rest = lattices.encoded & ~goodLeaves; rest; rest &= rest-1) {
               const uint32_t c = lowestBit(rest);
-              addLeaf(decodeLeaf(words[c],groups[m+c],quad,boxes[c]),4*(m+c)+quad,false);
+              measureLeaf(decodeLeaf(words[c],groupHeights[m+c],quad,boxes[c]),4*(m+c)+quad,false);
             }
           }
           if (sharpSides)
             for (uint32_t c=0; c<4; c++)
-              if (lattices.encoded >> c & 1) addSharpEdges(m+c,words[c],boxes[c]);
+              if (lattices.encoded >> c & 1) measureGroupOverhang(m+c,words[c],boxes[c]);
         }
         for (uint32_t c=0; c<4; c++)
         {
@@ -65,11 +65,11 @@ namespace embree
           if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded))
             encoded = encodeSeparate(boxes[c],quads);
           encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
-          words[c] = add(m+c,quads,encoded,boxes[c]);
+          words[c] = storeGroup(m+c,quads,encoded,boxes[c]);
         }
       }
 
-      void leaf(uint32_t, const NodeBox&) {}
+      void encodeLeaf(uint32_t, const NodeBox&) {}
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
@@ -82,25 +82,25 @@ namespace embree
       }
 
     private:
-      /*! Stores a group and measures its leaves. Returns the group's word. */
-      uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
+      /*! Stores the heights of a group, and adds its leaves to the statistics. Returns the group's word. */
+      uint32_t storeGroup(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
-        groups[m] = encoded.heights;
+        groupHeights[m] = encoded.heights;
         borderWidth = std::max(borderWidth,encoded.borderWidth);
         for (int c=0; c<4; c++) {
           const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
           if (leaf.empty) continue;
-          addLeaf(leaf,4*m+c,hasSeparateLeaves(encoded.heights));
-          addSharpEdges(quads,c,leaf.box);
+          measureLeaf(leaf,4*m+c,hasSeparateLeaves(encoded.heights));
+          measureLeafOverhang(quads,c,leaf.box);
         }
         return encoded.word;
       }
 
-      /*! Measures the edges of all leaves of group m on sharp sides. */
-      void addSharpEdges(uint32_t m, uint32_t word, const NodeBox& box)
+      /*! measureLeafOverhang() for all leaves of group m, whose heights were stored. */
+      void measureGroupOverhang(uint32_t m, uint32_t word, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
-        for (int c=0; c<4; c++) addSharpEdges(quads,c,decodeLeaf(word,groups[m],c,box).box);
+        for (int c=0; c<4; c++) measureLeafOverhang(quads,c,decodeLeaf(word,groupHeights[m],c,box).box);
       }
 
       QuadGroup quadsOf(uint32_t m) const
@@ -118,8 +118,9 @@ namespace embree
         return group;
       }
 
-      /*! Measures a leaf. cell: its index in Morton order. isSeparate: its group has separate leaves. */
-      void addLeaf(const LeafPatch& leaf, uint32_t cell, bool isSeparate)
+      /*! Adds the thickness and the fit of a leaf to the statistics. cell: index of the leaf in Morton order.
+       *  isSeparate: its group has separate leaves. */
+      void measureLeaf(const LeafPatch& leaf, uint32_t cell, bool isSeparate)
       {
         double slope[2] = { 0,0 };
         statistics.solidLeaves += leaf.solid;
@@ -130,13 +131,13 @@ namespace embree
         const float thickness =
           statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
         if (geometry.cellLevels == geometry.height)
-          statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,isSeparate,thickness);
+          statistics.leafFit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,isSeparate,thickness);
         else if (cell == 0) // one of four parts of the only quad
-          statistics.fit.addQuad(geometry,0,0,leaf.box,slope,isSeparate,thickness);
+          statistics.leafFit.addQuad(geometry,0,0,leaf.box,slope,isSeparate,thickness);
       }
 
-      /*! Measures how far a leaf extends past its quad's edges on sharp sides. box: of the leaf. */
-      void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
+      /*! Adds to the statistics how far a leaf extends past its quad's edges on sharp sides. box: of the leaf. */
+      void measureLeafOverhang(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
         for (int axis=0; axis<2; axis++)
@@ -149,13 +150,13 @@ namespace embree
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
             overhang = std::max(overhang,upper ? 1-u : u);
           }
-          statistics.fit.addEdge(overhang);
+          statistics.leafFit.addEdge(overhang);
         }
       }
 
       const BlockGeometry& geometry;
       Block* block;
-      Heights* groups;
+      Heights* groupHeights;   //!< of the block, indexed by group
       uint32_t sharpSides;
       BlockStatistics& statistics;
       double borderWidth = 0;  //!< largest so far

@@ -17,13 +17,13 @@ namespace embree
       VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
         : geometry(geometry), statistics(statistics) {}
 
-      void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
-      uint32_t group(uint32_t, const NodeBox&) { return 0; }
+      void encodeSiblingGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
+      uint32_t encodeGroup(uint32_t, const NodeBox&) { return 0; }
 
-      void leaf(uint32_t m, const NodeBox& box) {
+      void encodeLeaf(uint32_t m, const NodeBox& box) {
         if (geometry.boxOf(geometry.cellLevels,m).empty()) return;
         statistics.addBoxThickness(geometry,box);
-        statistics.fit.addFlatQuad(geometry,mortonX(m),mortonY(m),box);
+        statistics.leafFit.addFlatQuad(geometry,mortonX(m),mortonY(m),box);
       }
 
       void finish() {}
