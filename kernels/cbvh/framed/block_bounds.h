@@ -53,7 +53,7 @@ namespace embree
       WorldBounds bounds;
       bounds.extend(geometry.lower[0],geometry.lower[1],geometry.lower[2]);
       bounds.extend(geometry.upper[0],geometry.upper[1],geometry.upper[2]);
-      const double rounding = vertexRounding*geometry.coordinate;
+      const double rounding = vertexRounding*geometry.maxAbsCoordinate;
       for (int k=0; k<3; k++) { bounds.lower[k] -= rounding; bounds.upper[k] += rounding; }
       return bounds;
     }

@@ -34,7 +34,7 @@ namespace embree
       Frame frame;
       InverseFrame inverse;
       float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
-      double coordinate = 0;      //!< largest absolute one of these vertices; set by computeBounds()
+      double maxAbsCoordinate = 0; //!< of the finite vertices; set by computeBounds()
       double rounding[4];         //!< per axis: largest distance between two faces' evaluations of a vertex
       ExactBox* boxes;            //!< of all quadtree levels down to cells; set by computeBounds()
       double (*local)[4];         //!< vertices of cells in the frame, row by row; set by fit()
@@ -57,26 +57,25 @@ namespace embree
        *  positions to which the frame is aligned, in the order (0,0), (1,0), (0,1), (1,1). */
       bool fit(const float corners[4][3])
       {
-        const size_t all = size_t(width)*width;
-        size_t count = boundVertices();
-        allFinite = count == all;
-        if (count == 0) return false;
+        const size_t numVertices = size_t(width)*width, numFinite = boundVertices();
+        allFinite = numFinite == numVertices;
+        if (numFinite == 0) return false;
         if (!allFinite) {
           size_t n = 0;
-          for (uint32_t i=0; i<all; i++)
-            if (isFinite(i)) memcpy(finite[n++],vertices[i],sizeof(float[3]));
+          for (uint32_t i=0; i<numVertices; i++)
+            if (isFinite(i)) memcpy(finiteCopies[n++],vertices[i],sizeof(float[3]));
         }
-        const float (*const fitting)[3] = allFinite ? vertices : finite;
+        const float (*const finite)[3] = allFinite ? vertices : finiteCopies;
 
         float aligned[4][3];
         memcpy(aligned,corners,sizeof(aligned));
-        bool ok = true;
-        for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // four finite vertices instead: the frame is then not aligned
-          for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
-        if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
+        bool areCornersFinite = true;
+        for (int c=0; c<4; c++) areCornersFinite &= cbvh::isFinite(corners[c]);
+        if (!areCornersFinite) // four finite vertices instead: the frame is then not aligned
+          for (int c=0; c<4; c++) memcpy(aligned[c],finite[size_t(c)*(numFinite-1)/3],sizeof(float[3]));
+        if (!fitFrame(aligned,finite,numFinite,fitScratch,frame)) return false;
         const FrameLanes lanes(frame.columns);
-        for (uint32_t i=0; i<all; i++)
+        for (uint32_t i=0; i<numVertices; i++)
           frame.transform(lanes,vertices[i]).store(local[i]);
         if (cellLevels > height) splitQuad();
         return true;
@@ -86,35 +85,36 @@ namespace embree
        *  on a line, or a few are far from the others. Requires fit(). */
       bool isDegenerate() const
       {
-        const uint32_t side = 1u << cellLevels, cells = side*side;
-        const double limit = 2*minQuadArea/cells; // for twice the area
+        const uint32_t side = 1u << cellLevels, numCells = side*side;
+        const double minTwiceArea = 2*minQuadArea/numCells;
         if (frame.degenerate) return true;
-        uint32_t small = 0, valid = 0;
+        uint32_t numSmall = 0, numValid = 0;
         for (uint32_t y=0; y<side; y++)
         {
-          if (allFinite && 2*(valid-small) >= cells) return false; // more cells cannot change the result
+          if (allFinite && 2*(numValid-numSmall) >= numCells) return false; // more cells cannot change the result
           for (uint32_t x=0; x<side; x++)
           {
             const double (*const v)[4] = local + y*(side+1)+x;
-            const double twice =
+            const double twiceArea =
               cross2D(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
-            small += std::fabs(twice) < limit;
-            valid += twice == twice; // not NaN
+            numSmall += std::fabs(twiceArea) < minTwiceArea;
+            numValid += twiceArea == twiceArea; // not NaN
           }
         }
-        return 2*small > valid;
+        return 2*numSmall > numValid;
       }
 
       /*! Sets `boxes`, `inverse`, `rounding` and `invalidQuads`. Requires fit(). */
       void computeBounds()
       {
         inverse = InverseFrame(frameMap(frame.columns));
-        boundRounding();
-        uint32_t invalid = 0;
-        boundNode(0,0,0,0,invalid);
-        invalidQuads = cellLevels > height ? invalid != 0 : invalid;
+        computeRounding();
+        uint32_t invalidCells = 0;
+        boundNode(0,0,0,0,invalidCells);
+        invalidQuads = cellLevels > height ? invalidCells != 0 : invalidCells; // cells may be parts of the only quad
       }
 
+      /*! Exact bounds of node m of a level, or of cell m if level is cellLevels. */
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
       const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
 
@@ -125,7 +125,7 @@ namespace embree
       /*! Sets pointers into the scratch memory. Returns its size in bytes. */
       size_t layoutScratch(char* scratch)
       {
-        const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
+        const size_t side = (size_t(1) << cellLevels) + 1, numPoints = side*side;
         size_t bytes = 0;
         auto allocate = [&](size_t n) {
           const uintptr_t p = uintptr_t(scratch) + bytes;
@@ -133,9 +133,9 @@ namespace embree
           return p;
         };
         boxes  = (ExactBox*)allocate(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
-        local  = (double(*)[4])allocate(points*sizeof(*local));
-        fitted = (Double3*)allocate(points*sizeof(Double3));
-        finite = (float(*)[3])allocate(points*3*sizeof(float));
+        local  = (double(*)[4])allocate(numPoints*sizeof(*local));
+        fitScratch = (Double3*)allocate(numPoints*sizeof(Double3));
+        finiteCopies = (float(*)[3])allocate(numPoints*3*sizeof(float));
         return bytes;
       }
 
@@ -154,33 +154,33 @@ namespace embree
               + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
       }
 
-      /*! Transforms vertexRounding to the frame. A world-space step of r on each axis moves x = X/W by at most r (|dX|
-       *  + |dW|)/W, where |dX| and |dW| are sums of absolute derivatives. */
-      void boundRounding()
+      /*! Sets maxAbsCoordinate and `rounding`: vertexRounding in the frame. A world-space step of r on each axis moves
+       *  x = X/W by at most r (|dX| + |dW|)/W, where |dX| and |dW| are sums of absolute derivatives. */
+      void computeRounding()
       {
-        double rcpW = 0;
-        coordinate = 0;
-        for (int k=0; k<3; k++) coordinate = std::max(coordinate,double(std::max(-lower[k],upper[k])));
+        maxAbsCoordinate = 0;
+        for (int k=0; k<3; k++) maxAbsCoordinate = std::max(maxAbsCoordinate,double(std::max(-lower[k],upper[k])));
+        double maxRcpW = 0; // in the frame's box: 1/W is linear there
         for (int corner=0; corner<8; corner++)
-          rcpW = std::max(rcpW,inverse.rcpW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
-        auto sum = [&](int k) {
+          maxRcpW = std::max(maxRcpW,inverse.rcpW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
+        auto sumOfDerivatives = [&](int k) {
           return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k]))
             + std::fabs(double(frame.columns[2][k]));
         };
         rounding[3] = 0;
         for (int k=0; k<3; k++)
-          rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
+          rounding[k] = vertexRounding*maxAbsCoordinate*(sumOfDerivatives(k)+sumOfDerivatives(3))*maxRcpW;
       }
 
       /*! Sets the boxes of node m at (x,y) of its level, and of all nodes below it. Cells with a vertex that is not
-       *  finite are empty; `invalid` counts them. */
-      void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
+       *  finite are empty; invalidCells counts them. */
+      void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalidCells)
       {
         if (level == cellLevels) {
-          boxOf(level,m) = boundCell(y*((1u << cellLevels)+1) + x,invalid);
+          boxOf(level,m) = boundCell(y*((1u << cellLevels)+1) + x,invalidCells);
           return;
         }
-        for (uint32_t c=0; c<4; c++) boundNode(level+1,4*m+c,2*x+(c&1),2*y+(c>>1),invalid);
+        for (uint32_t c=0; c<4; c++) boundNode(level+1,4*m+c,2*x+(c&1),2*y+(c>>1),invalidCells);
         const ExactBox* const children = &boxOf(level+1,4*m);
         ExactBox box = children[0];
         for (uint32_t c=1; c<4; c++) box.extend(children[c]);
@@ -188,15 +188,15 @@ namespace embree
       }
 
       /*! Bounds of a cell, enlarged by `rounding` but inside of the frame. v: index of its first vertex. */
-      ExactBox boundCell(uint32_t v, uint32_t& invalid) const
+      ExactBox boundCell(uint32_t v, uint32_t& invalidCells) const
       {
-        const uint32_t above = v + (1u << cellLevels)+1;
-        if (!allFinite && !(isLocalFinite(v) && isLocalFinite(v+1) && isLocalFinite(above) && isLocalFinite(above+1))) {
-          invalid++;
+        const uint32_t next = v + (1u << cellLevels)+1; // in the next row
+        if (!allFinite && !(isLocalFinite(v) && isLocalFinite(v+1) && isLocalFinite(next) && isLocalFinite(next+1))) {
+          invalidCells++;
           return ExactBox();
         }
         const Double4 p[4] = { Double4::load(local[v]),Double4::load(local[v+1]),
-                               Double4::load(local[above]),Double4::load(local[above+1]) };
+                               Double4::load(local[next]),Double4::load(local[next+1]) };
         const Double4 lower = min(min(p[0],p[1]),min(p[2],p[3])), upper = max(max(p[0],p[1]),max(p[2],p[3]));
         const Double4 r = Double4::load(rounding);
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
@@ -205,25 +205,25 @@ namespace embree
       /*! Sets lower and upper. Returns the number of finite vertices. */
       size_t boundVertices()
       {
-        const size_t all = size_t(width)*width;
-        if (cbvh::boundsOfVertices(vertices,all,lower,upper)) return all;
+        const size_t numVertices = size_t(width)*width;
+        if (cbvh::boundsOfVertices(vertices,numVertices,lower,upper)) return numVertices;
         Float4 low = maxCoordinate, high = -maxCoordinate;
-        size_t count = 0;
-        for (size_t i=0; i<all; i++) {
+        size_t numFinite = 0;
+        for (size_t i=0; i<numVertices; i++) {
           if (!isFinite(uint32_t(i))) continue;
-          const Float4 p = loadVertex(vertices,i,all);
+          const Float4 p = loadVertex(vertices,i,numVertices);
           low = min(low,p);
           high = max(high,p);
-          count++;
+          numFinite++;
         }
         low.store(lower); high.store(upper);
-        return count;
+        return numFinite;
       }
 
     private:
       bool allFinite = false;
-      Double3* fitted;          //!< scratch memory of fitFrame()
-      float (*finite)[3];       //!< the finite vertices, if some are not
+      Double3* fitScratch;      //!< memory for fitFrame()
+      float (*finiteCopies)[3]; //!< the finite vertices, if some are not
     };
   }}
 }
