@@ -39,41 +39,40 @@ namespace embree
       }
     };
 
-    /* The codebooks of node.h, one code per lane, the inner ones from q on. */
+    /* The codebooks of node.h, one code per lane: all outer codes, and four inner ones. */
     inline Float4 outerOffsets() { return Float4(outerOffset(0),outerOffset(1),outerOffset(2),outerOffset(3)); }
-    inline Float4 innerPositions(uint32_t q) {
-      return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3));
+    inline Float4 innerPositions(uint32_t first) {
+      return Float4(innerPosition(first),innerPosition(first+1),innerPosition(first+2),innerPosition(first+3));
     }
 
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
     /*! Returns the tightest plane pair: the highest outer and the lowest inner code. outer, inner: masks of the codes
-     *  whose planes contain the children. */
+     *  whose planes contain the children. Outer code 0 and inner code 7, the parent's planes, always do. */
     inline uint32_t makePlanePair(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Returns the highest lower planes of both columns that keep containmentSlack. Outer code 0 and inner code 7, the
-     *  parent's planes, always do. lower, extent: of the parent. outer, inner: exact lower bounds of columns 0 and
-     *  1. */
+    /*! Returns the codes of the highest lower planes that keep containmentSlack from the children. lower, extent: of
+     *  the parent. outer, inner: exact lower bounds of columns (or rows) 0 and 1. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
       const Double4 o = outer - containmentSlack, i = inner - containmentSlack;
       return makePlanePair((Double4(l + outerOffsets()*e) <= o).bits(),
-                    (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits()
-                      | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
+                           (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits()
+                             | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
 
-    /*! As above, with the lowest upper planes. outer, inner: exact upper bounds of columns 1 and 0. */
+    /*! As above, for the lowest upper planes. outer, inner: exact upper bounds of columns (or rows) 1 and 0. */
     inline uint32_t encodeUpperPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
       const Double4 o = outer + containmentSlack, i = inner + containmentSlack;
       return makePlanePair((o <= Double4(l + (Float4(1.0f)-outerOffsets())*e)).bits(),
-                    (i <= Double4(l + innerPositions(0)*e)).bits()
-                      | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
+                           (i <= Double4(l + innerPositions(0)*e)).bits()
+                             | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
     /*! The eight z intervals in a parent, from the smallest to the largest. */
@@ -97,16 +96,16 @@ namespace embree
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
         uint32_t contains = 1u << 7;
         for (int i=0; i<2; i++) contains |= ((lower[i] <= l) & (u <= upper[i])).bits() << (4*i);
-        // codes in the order of the lanes
+        // 4 bits per lane: its code
         return (0x01237654u >> (4*lowestBit(contains))) & 7u;
       }
 
     private:
-      Double4 lower[2], upper[2];
+      Double4 lower[2], upper[2]; //!< of codes 4, 5, 6 and 7; of 3, 2, 1 and 0
     };
 
-    /*! parent: decoded box of the node, which must contain all children with the slack. Empty children get arbitrary
-     *  bounds. */
+    /*! Returns the word of a node. parent: its decoded box, which must contain all children with containmentSlack.
+     *  Empty children get arbitrary bounds. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
@@ -152,10 +151,11 @@ namespace embree
       }
 
     private:
-      void set(int axis, const NodeBox& parent, Float4 from, Float4 to)
+      /*! lowerPlanes, upperPlanes: of the children, in parent extents. */
+      void set(int axis, const NodeBox& parent, Float4 lowerPlanes, Float4 upperPlanes)
       {
-        const Float4 l = Float4(parent.lower[axis]) + from*parent.extent[axis],
-          u = Float4(parent.lower[axis]) + to*parent.extent[axis];
+        const Float4 l = Float4(parent.lower[axis]) + lowerPlanes*parent.extent[axis],
+          u = Float4(parent.lower[axis]) + upperPlanes*parent.extent[axis];
         l.store(lower[axis]);
         (u-l).store(extent[axis]);
       }
