@@ -88,7 +88,7 @@
 CVERT_BEGIN
 
 /* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. Compilers may not
- * inline std::fmin and std::fmax. */
+ * inline std::fmin and std::fmax. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
 CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }

@@ -77,15 +77,15 @@ namespace embree
       /*! Highest code, up to 31, for which closure(latticeOuterOffset(code)) is true, or 0. If it is true for a code,
        *  it must be true for all lower codes. */
       template<typename Closure>
-      static Int4 highest(const Closure& closure)
+      static Int4 highestCodes(const Closure& closure)
       {
-        Int4 q = 0;
-        for (int bit=16; bit; bit/=2) {
-          const Int4 more = q | Int4(bit);
-          q = q | (closure(toFloat((more << 2) + (square(more) >> 2))*(1.0f/1024.0f)) & Int4(bit));
-        }
-        return q;
+        Int4 codes = 0;
+        for (int bit=16; bit; bit/=2) codes = codes | (closure(outerOffsetsOf(codes | Int4(bit))) & Int4(bit));
+        return codes;
       }
+
+      /*! latticeOuterOffset() of each lane's code. */
+      static Float4 outerOffsetsOf(Int4 codes) { return toFloat((codes << 2) + (square(codes) >> 2))*(1.0f/1024.0f); }
 
       /*! As encodeLatticePlanes(). */
       void encodePlanes(int axis)
@@ -93,8 +93,8 @@ namespace embree
         const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
         const Float4 l = Float4::load(parents.lower[axis]), e = Float4::load(parents.extent[axis]);
         const Double4 below = groups.lower[axis]-containmentSlack, above = groups.upper[axis]+containmentSlack;
-        const Int4 low  = highest([&](Float4 outer) { return Double4(l + outer*e) <= below; });
-        const Int4 high = highest([&](Float4 outer) { return above <= Double4(l + (Float4(1.0f)-outer)*e); });
+        const Int4 low  = highestCodes([&](Float4 outer) { return Double4(l + outer*e) <= below; });
+        const Int4 high = highestCodes([&](Float4 outer) { return above <= Double4(l + (Float4(1.0f)-outer)*e); });
         auto third = [&](int i) { return groups.vertices[along+i*across][axis]*(1.0/3); };
         const Double4 mean = third(0)+third(1)+third(2);
         const Double4 middle = ((mean-l)/e*128.0 - 33.0)*0.5 + 0.5;
@@ -102,11 +102,10 @@ namespace embree
         const Int4 code = low | (high << 5) | (m << 10);
         word = axis == 0 ? code : word | (code << latticeShift(1));
 
-        auto outer = [](Int4 q) { return toFloat((q << 2) + (square(q) >> 2))*(1.0f/1024.0f); };
         Double4* const p = planes[axis];
-        p[0] = l + outer(low)*e;
+        p[0] = l + outerOffsetsOf(low)*e;
         p[1] = l + toFloat(Int4(33) + (m << 1))*(1.0f/128.0f)*e;
-        p[2] = l + (Float4(1.0f)-outer(high))*e;
+        p[2] = l + (Float4(1.0f)-outerOffsetsOf(high))*e;
         for (int i=0; i<2; i++) { width[axis][i] = p[i+1]-p[i]; reciprocal[axis][i] = Double4(1.0)/width[axis][i]; }
         const Double4 narrowest = (p[2]-p[0])*minCellWidth;
         encoded &= ((narrowest < width[axis][0]) & (narrowest < width[axis][1])).bits();

@@ -29,7 +29,7 @@ namespace embree
         }
       }
 
-      /*! Mask of lanes whose leaf c is certainly good, and not thicker than maxThickness. */
+      /*! Mask of lanes whose leaf c certainly does not count as poor (LeafFit), and is thinner than maxThickness. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childCoordinate(c,0), row = childCoordinate(c,1), v = column+3*row;

@@ -13,10 +13,12 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Fits a plane to the vertices of a quad, by least squares. z: heights at corners (0,0), (1,0) and (0,1) of the
-     *  box. Sums begin at 1e-9, so that slopes are 0 in directions without extent. */
+    /*! Fits a plane to the vertices of a quad, by least squares. Sets z to its heights at corners (0,0), (1,0) and
+     *  (0,1) of the box. */
     inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3])
     {
+      /* (u,v): positions in the box. m: means. s: sums of products of differences from the means; sums of squares begin
+       * at 1e-9, so that slopes are 0 in directions without extent. */
       double u[4], v[4], mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);
@@ -29,18 +31,18 @@ namespace embree
         suu += du*du; suv += du*dv; svv += dv*dv; suz += du*dz; svz += dv*dz;
       }
       const double det = suu*svv - suv*suv;
-      const double a = det > 0 ? (suz*svv - svz*suv)/det : 0;
-      const double b = det > 0 ? (svz*suu - suz*suv)/det : 0;
-      z[0] = mz - a*mu - b*mv;
-      z[1] = z[0] + a;
-      z[2] = z[0] + b;
+      const double slopeU = det > 0 ? (suz*svv - svz*suv)/det : 0;
+      const double slopeV = det > 0 ? (svz*suu - suz*suv)/det : 0;
+      z[0] = mz - slopeU*mu - slopeV*mv;
+      z[1] = z[0] + slopeU;
+      z[2] = z[0] + slopeV;
     }
 
-    /*! Returns the 15 bits of a leaf. thickness: set to the smallest code that bounds the vertices, and therefore the
-     *  edges. The leaf is solid if no code is large enough. */
-    inline uint32_t encodeSeparateLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
+    /*! Returns the 15 bits of a leaf. box: decoded box of the leaf. Sets thicknessCode to the smallest code of a
+     *  thickness that contains the quad's vertices, and therefore its edges. If there is none, the leaf is solid. */
+    inline uint32_t encodeSeparateLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thicknessCode)
     {
-      thickness = 0;
+      thicknessCode = 0;
       if (group.boxes[quad].empty()) return emptyLeaf;
       const HeightBins bins = heightBins(box,separateRange,separateBins);
       double z[3];
@@ -54,50 +56,50 @@ namespace embree
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
-      double lowest = 0, highest = 0; // bounds of the plane's height above the vertices
-      double lowestBorder = 1e300;
+      /* range of the deviation at the vertices: the plane's height above them; the lowest one on the block's border */
+      double lowest = 0, highest = 0, lowestOnBorder = 1e300;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);
         const double u = (p[0]-box.lower[0])/box.extent[0], v = (p[1]-box.lower[1])/box.extent[1];
         const double d = z[0] + u*(z[1]-z[0]) + v*(z[2]-z[0]) - p[2];
         lowest = std::min(lowest,d);
         highest = std::max(highest,d);
-        if (group.isOnBorder(quad,c)) lowestBorder = std::min(lowestBorder,d);
+        if (group.isOnBorder(quad,c)) lowestOnBorder = std::min(lowestOnBorder,d);
       }
-      /* on the border, the surface must not be below the edge */
-      if (lowestBorder < slack)
+      /* on the border, the surface must not be below the edge: raise the plane, in whole bins */
+      if (lowestOnBorder < slack)
       {
-        const double up = std::ceil((slack-lowestBorder)/bins.size);
-        if (!(up < separateBins)) return solidLeaf;
+        const double raise = std::ceil((slack-lowestOnBorder)/bins.size);
+        if (!(raise < separateBins)) return solidLeaf;
         for (int c=0; c<3; c++) {
-          if (separateHeight(leaf,c) + int(up) >= separateBins) return solidLeaf;
-          leaf += uint32_t(up) << (5*c);
+          if (separateHeight(leaf,c) + int(raise) >= separateBins) return solidLeaf;
+          leaf += uint32_t(raise) << (5*c);
         }
-        lowest += up*bins.size;
-        highest += up*bins.size;
+        lowest += raise*bins.size;
+        highest += raise*bins.size;
       }
-      // these heights have another meaning
-      if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
-      const double deviation = std::max(-lowest,highest);
-      while (thickness < 8 && !(0.5*separateThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
-      if (thickness < 8) return leaf;
-      thickness = 0;
+      if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf; // the bits of these heights are reserved
+      const double needed = std::max(-lowest,highest) + slack; // half of the thickness
+      while (thicknessCode < 8 && !(0.5*separateThickness(thicknessCode)*bins.size >= needed)) thicknessCode++;
+      if (thicknessCode < 8) return leaf;
+      thicknessCode = 0;
       return solidLeaf;
     }
 
-    /*! parent: decoded box of the group. All leaves get the largest of their thicknesses. Does not set borderWidth. */
+    /*! parent: decoded box of the group. The leaves share the largest of their thicknesses. Does not set
+     *  borderWidth. */
     inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;
       out.word = encodeNode(parent,group.boxes);
       uint64_t heights = uint64_t(1) << 63;
-      uint32_t code = 0;
+      uint32_t largestCode = 0;
       for (int c=0; c<4; c++) {
-        uint32_t thickness;
-        heights |= uint64_t(encodeSeparateLeaf(decodeChild(out.word,c,parent),group,c,thickness)) << (separateBits*c);
-        code = std::max(code,thickness);
+        uint32_t code;
+        heights |= uint64_t(encodeSeparateLeaf(decodeChild(out.word,c,parent),group,c,code)) << (separateBits*c);
+        largestCode = std::max(largestCode,code);
       }
-      heights |= uint64_t(code) << separateThicknessShift;
+      heights |= uint64_t(largestCode) << separateThicknessShift;
       out.heights = { uint32_t(heights), uint32_t(heights >> 32) };
       return out;
     }
