@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Operations that Embree's vectors lack, and macros for available intrinsics. Embree maps the intrinsics of SSE4.1 to
- * NEON (common/simd/arm). */
+/* Macros for intrinsics that not all instruction sets provide, and two functions that Embree's vector types lack. On
+ * ARM64, Embree implements the intrinsics of SSE4.1 with NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 
@@ -13,9 +13,10 @@
 #define CBVH_SSE41_INTEGERS
 #endif
 
-/*! _mm_srlv_epi32 and _mm_sllv_epi32 are available. Both return 0 for a count of 32. */
+/*! _mm_srlv_epi32 and _mm_sllv_epi32 are available. They shift each lane by a count of its own, and return 0 for a
+ *  count of 32. */
 #if defined(__AVX2__) || defined(__ARM_NEON)
-#define CBVH_LANE_SHIFTS
+#define CBVH_VARIABLE_SHIFTS
 #endif
 
 #if defined(__ARM_NEON)
@@ -27,10 +28,10 @@ __forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
 
 namespace embree
 {
-  /*! Shifts a left by one lane and inserts lane i of b last. vextq, because GCC compiles shuffles of two vectors to
-   *  table lookups on NEON. */
+  /*! Returns lanes 1, 2 and 3 of a, followed by lane i of b. NEON uses vextq, because GCC compiles its shuffles of two
+   *  vectors to table lookups. */
   template<int i>
-  __forceinline __m128 shiftAndInsert (__m128 a, __m128 b)
+  __forceinline __m128 dropFirstAndAppend (__m128 a, __m128 b)
   {
 #if defined(__ARM_NEON)
     return vextq_f32(a,vdupq_laneq_f32(b,i),1);
@@ -39,7 +40,7 @@ namespace embree
 #endif
   }
 
-  /*! Bit Mask::size*j + i of the result is lane i of masks[j]. */
+  /*! Concatenates masks of at most 32 lanes in total: bit Mask::size*j + i of the result is lane i of masks[j]. */
   template<typename Mask, int n>
   __forceinline uint32_t movemasks (const Mask (&masks)[n])
   {
@@ -48,14 +49,15 @@ namespace embree
     return lanes;
   }
 
-#if !defined(__AVX__)
-  /*! Same. Packs the masks first, because NEON needs several instructions to collect the bits of a vector. */
+#if !defined(__AVX__) // with AVX, callers have masks of 8 or 16 lanes
+  /*! As above, for 16 lanes. Packs the masks to bytes and collects the bits once, not once per mask. Collecting
+   *  requires several instructions of NEON. */
   __forceinline uint32_t movemasks (const vboolf4 (&masks)[4])
   {
 #if defined(__ARM_NEON)
-    auto halves = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };
-    const uint8x16_t bytes = vuzp1q_u8(vreinterpretq_u8_u16(vuzp1q_u16(halves(0),halves(1))),
-      vreinterpretq_u8_u16(vuzp1q_u16(halves(2),halves(3))));
+    auto as16Bits = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };
+    const uint8x16_t bytes = vuzp1q_u8(vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(0),as16Bits(1))),
+      vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(2),as16Bits(3))));
     static const uint8x16_t bits = { 1,2,4,8,16,32,64,128, 1,2,4,8,16,32,64,128 };
     uint8x16_t sums = vandq_u8(bytes,bits);
     for (int i=0; i<3; i++) sums = vpaddq_u8(sums,sums);

@@ -60,7 +60,7 @@ namespace embree
               for (int c=0; c<fieldVectors; c++) lanes[c] = fieldsOfVector<false>(data,windows,c);
               return;
             }
-#if defined(CBVH_LANE_SHIFTS)
+#if defined(CBVH_VARIABLE_SHIFTS)
             for (int c=0; c<fieldVectors; c++) lanes[c] = fieldsOfVector<true>(data,windows,c);
             return;
 #endif
@@ -109,14 +109,14 @@ namespace embree
         /*! fieldsOfRow for fields that can extend over five bytes. */
         static __forceinline vint4 fieldsOfWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
         {
-#if defined(CBVH_LANE_SHIFTS)
+#if defined(CBVH_VARIABLE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
           // shifts by 32 return 0
           return _mm_or_si128(_mm_srlv_epi32(loadWindow(data,windows,row,windows.control),shift),
                               _mm_sllv_epi32(loadWindow(data,windows,row,windows.fifth),
                                 _mm_sub_epi32(_mm_set1_epi32(32),shift)));
 #else
-          return fieldsOfRow(data,windows,row); // unreachable: the constructor requires CBVH_LANE_SHIFTS
+          return fieldsOfRow(data,windows,row); // unreachable: the constructor requires CBVH_VARIABLE_SHIFTS
 #endif
         }
 

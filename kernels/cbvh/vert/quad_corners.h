@@ -110,7 +110,7 @@ namespace embree
         }
 
       private:
-        /*! Shifts two rows left by one lane, and inserts `last` into their last lanes. */
+        /*! Drops the first vertex of each of two rows, and inserts lanes 3 and 7 of `last` as their last ones. */
         static __forceinline vfloatV insertFourth (const vfloatV& rows, const vfloatV& last) {
           return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
         }
@@ -120,11 +120,11 @@ namespace embree
 #else
         __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
         {
-          right[0] = shiftAndInsert<0>(v.at[0],v.at[5]);
-          right[1] = shiftAndInsert<1>(v.at[1],v.at[5]);
-          right[2] = shiftAndInsert<2>(v.at[2],v.at[5]);
-          right[3] = shiftAndInsert<3>(v.at[3],v.at[5]);
-          right[4] = shiftAndInsert<0>(v.at[4],v.last);
+          right[0] = dropFirstAndAppend<0>(v.at[0],v.at[5]);
+          right[1] = dropFirstAndAppend<1>(v.at[1],v.at[5]);
+          right[2] = dropFirstAndAppend<2>(v.at[2],v.at[5]);
+          right[3] = dropFirstAndAppend<3>(v.at[3],v.at[5]);
+          right[4] = dropFirstAndAppend<0>(v.at[4],v.last);
         }
 
         __forceinline vfloatV at (int j, int c) const { return (c & 1 ? right : left.at)[j+(c >> 1)]; }
