@@ -55,21 +55,21 @@ TEST(References, EachReferenceHasOneType)
     count++;
   };
   for (uint32_t index : indices) {
-    for (uint32_t type : {nodeReference, gridLeafReference, instanceReference})
+    for (uint32_t type : {nodeReferenceType, gridLeafReferenceType, instanceReferenceType})
       add(makeReference(type, index), type, index);
     for (uint32_t kind = 0; kind < numKinds + 14; kind++) {
-      add(makeReference(blockReference(kind), index), blockReference(kind), index);
-      EXPECT_FALSE(isRunType(blockReference(kind)));
+      add(makeReference(blockReferenceType(kind), index), blockReferenceType(kind), index);
+      EXPECT_FALSE(isRunType(blockReferenceType(kind)));
     }
     for (uint32_t triangles = 1; triangles <= 4; triangles++) {
-      const uint32_t reference = runReference(index, triangles), type = referenceType(reference);
+      const uint32_t reference = makeRunReference(index, triangles), type = referenceType(reference);
       EXPECT_TRUE(isRunType(type));
-      EXPECT_EQ(countOfRun(type), triangles);
+      EXPECT_EQ(runLength(type), triangles);
       add(reference, type, index);
     }
   }
   EXPECT_EQ(references.size(), count);
-  for (uint32_t type : {nodeReference, gridLeafReference, instanceReference, referenceType(emptyReference)})
+  for (uint32_t type : {nodeReferenceType, gridLeafReferenceType, instanceReferenceType, referenceType(emptyReference)})
     EXPECT_FALSE(isRunType(type));
 }
 

@@ -295,7 +295,7 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
         std::any_of(ranges.begin(), ranges.end(),
                     [&](const Range& r) { return begin >= r.begin && end + readPadding <= r.begin + r.bytes; }))
         << "scene " << i << ", block " << b;
-      const bool isMesh = flat->blocks[b].type == embree::cbvh::meshBlockReference;
+      const bool isMesh = flat->blocks[b].type == embree::cbvh::meshBlockReferenceType;
       overEndOfPage[isMesh] += (size_t(end) - 1)/4096 != (size_t(end) + readPadding - 1)/4096;
     }
     rtcReleaseFlatScene(flat);

@@ -25,7 +25,7 @@ struct BlockCounts
     const embree::cbvh::FlatScene* flat = rtcFlattenScene(scene, embree::cbvh::flatSceneVersion);
     ASSERT_NE(flat, nullptr);
     for (size_t i = 0; i < flat->numBlocks; i++) {
-      const bool isMesh = flat->blocks[i].type == embree::cbvh::meshBlockReference;
+      const bool isMesh = flat->blocks[i].type == embree::cbvh::meshBlockReferenceType;
       grids += !isMesh;
       if (!isMesh) continue;
       const cvert::MeshHeader& block = *static_cast<const cvert::MeshHeader*>(flat->blocks[i].data);

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* References to children of flat nodes (flat/flat_scene.h), for GPUs: 5 bits of type, 27 bits of index. Blocks have at
- * least 64 bytes, so indices support 8 GiB of blocks. Compiled as C++ and GLSL. */
+/* References to the children of flat nodes (flat/flat_scene.h), for GPUs. The upper 5 bits are the type of the child.
+ * The lower 27 bits are its index in an array that depends on the type. Indices suffice for at least 8 GiB of blocks:
+ * they count blocks, and a block has at least 64 bytes. Compiled as C++ and GLSL. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H
@@ -11,46 +12,54 @@
 
 CBVH_BEGIN
 
-CVERT_CONSTANT uint32_t referenceShift = 27u;
-CVERT_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
+CVERT_CONSTANT uint32_t referenceTypeShift = 27u;
+CVERT_CONSTANT uint32_t maxReferenceIndex = 0x7FFFFFFu;
 
-CVERT_CONSTANT uint32_t nodeReference = 0u;       //!< 0, so that the reference is the index
-CVERT_CONSTANT uint32_t gridLeafReference = 1u;   //!< 2 x 2 quads of a grid of GRID
-CVERT_CONSTANT uint32_t instanceReference = 2u;
-CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< node with moving children
-CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles, starting at the index
-CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< of kind 0; add the kind
-CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds;
-CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< cVERT mesh block
-CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
+/* Types of children. The type of nodes is 0, so that a reference to a node equals the node's index. */
+CVERT_CONSTANT uint32_t nodeReferenceType = 0u;
+CVERT_CONSTANT uint32_t gridLeafReferenceType = 1u;   //!< up to 2 x 2 quads of a grid of GRID
+CVERT_CONSTANT uint32_t instanceReferenceType = 2u;
+CVERT_CONSTANT uint32_t movingNodeReferenceType = 3u; //!< node with moving children
+CVERT_CONSTANT uint32_t firstRunReferenceType = 4u;   //!< 4 to 7: runs of 1 to 4 triangles, see makeRunReference
+CVERT_CONSTANT uint32_t firstBlockReferenceType = 8u; //!< 8 to 25: static blocks, by kind, see blockReferenceType
+CVERT_CONSTANT uint32_t movingBlockReferenceType = firstBlockReferenceType + maxKinds; //!< moving cVERT block
+CVERT_CONSTANT uint32_t meshBlockReferenceType = movingBlockReferenceType + 1u;        //!< static cVERT mesh block
+CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReferenceType + 1u;
 
-/*! Unused child. */
+/*! Reference of an unused child. Its type differs from all types above. */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
-CVERT_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
-CVERT_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
-CVERT_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
-CVERT_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
+CVERT_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceTypeShift) | index; }
+CVERT_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceTypeShift; }
+CVERT_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & maxReferenceIndex; }
 
-/* A run is a leaf of consecutive triangles. Its type contains their count. */
-CVERT_CONSTANT uint32_t maxTriangleRun = 4u;
-CVERT_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
-  return makeReference(triangleReference + count-1u,first);
+/*! Type of a reference to a static block. kind: see kinds.h. */
+CVERT_FUNCTION uint32_t blockReferenceType (uint32_t kind) { return firstBlockReferenceType + kind; }
+
+/* A run is a leaf of 1 to maxRunLength triangles with consecutive indices. The type of a reference to it contains the
+ * number of triangles; the index of the reference is the index of the first triangle. */
+CVERT_CONSTANT uint32_t maxRunLength = 4u;
+CVERT_FUNCTION uint32_t makeRunReference (uint32_t first, uint32_t count) {
+  return makeReference(firstRunReferenceType + count-1u,first);
 }
-CVERT_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
-CVERT_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
+CVERT_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxRunLength-1u)) == firstRunReferenceType; }
+CVERT_FUNCTION uint32_t runLength (uint32_t type) { return type - firstRunReferenceType + 1u; }
 
-/* Word offsets in Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the byte offset, from the start
- * of the data, of four planes: x, y, z, and (u,v) as 16-bit values in units of 1/8192. */
-CVERT_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 5u, gridGeometryWord = 6u,
-  gridPrimitiveWord = 7u;
-CVERT_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;
+/* Offsets in Embree's GridSOA, in words of 32 bits. The vertices are four planes: x, y, z, and u and v as 16-bit values
+ * in units of 1/8192. */
+CVERT_CONSTANT uint32_t gridWidthWord = 3u;        //!< vertices along u
+CVERT_CONSTANT uint32_t gridHeightWord = 4u;       //!< vertices along v
+CVERT_CONSTANT uint32_t gridPlaneStrideWord = 5u;  //!< words per plane: the number of vertices
+CVERT_CONSTANT uint32_t gridGeomIDWord = 6u;
+CVERT_CONSTANT uint32_t gridPrimIDWord = 7u;
+CVERT_CONSTANT uint32_t gridOffsetWord = 9u;       //!< byte offset of the planes from the data
+CVERT_CONSTANT uint32_t gridDataWord = 12u;        //!< start of the data
 
 CBVH_END
 
 #ifndef VULKAN
-static_assert(embree::cbvh::numReferenceTypes <= embree::cbvh::emptyReference >> embree::cbvh::referenceShift,
-              "types of references");
+static_assert(embree::cbvh::numReferenceTypes <= embree::cbvh::emptyReference >> embree::cbvh::referenceTypeShift,
+              "emptyReference must not have the type of a child");
 #endif
 
 #endif

@@ -55,9 +55,9 @@ namespace embree
       private:
         typedef isa::GridSOA GridSOA;
         static_assert(offsetof(GridSOA,width) == 4*gridWidthWord && offsetof(GridSOA,height) == 4*gridHeightWord &&
-                      offsetof(GridSOA,dim_offset) == 4*gridPlaneWord &&
-                      offsetof(GridSOA,_geomID) == 4*gridGeometryWord &&
-                      offsetof(GridSOA,_primID) == 4*gridPrimitiveWord &&
+                      offsetof(GridSOA,dim_offset) == 4*gridPlaneStrideWord &&
+                      offsetof(GridSOA,_geomID) == 4*gridGeomIDWord &&
+                      offsetof(GridSOA,_primID) == 4*gridPrimIDWord &&
                       offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
@@ -79,7 +79,7 @@ namespace embree
           uint32_t children[4];
           for (size_t i=0; i<4; i++) children[i] = copySubtree(from->child(i),grid,gridIndex,nodesAbove+1);
           copyPlanes(&from->lower_x,children,out.ownNodes[n]);
-          return makeReference(nodeReference,checkedIndex(n));
+          return makeReference(nodeReferenceType,checkedIndex(n));
         }
 
         uint32_t copyMovingNode (BVH4::NodeRef ref, uint32_t nodesAbove)
@@ -103,7 +103,7 @@ namespace embree
             to.begin[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->lower_t[i] : -largest;
             to.end[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->upper_t[i] : largest;
           }
-          return makeReference(movingNodeReference,checkedIndex(n));
+          return makeReference(movingNodeReferenceType,checkedIndex(n));
         }
 
         /*! planes: in the order of Embree's nodes: lower and upper x, y, z. */
@@ -125,12 +125,12 @@ namespace embree
           const char* data = ref.leaf(type);
           if (grid) { // Embree encodes the first vertex of 2 x 2 quads, plus 1, above the 4 bits of the leaf type
             out.ownGridLeaves.push_back(FlatGridLeaf{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
-            return makeReference(gridLeafReference,checkedIndex(out.ownGridLeaves.size()-1));
+            return makeReference(gridLeafReferenceType,checkedIndex(out.ownGridLeaves.size()-1));
           }
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
             out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,
-                                               gridLeafReference,ids[root->geomID()] });
+                                               gridLeafReferenceType,ids[root->geomID()] });
             return copySubtree(root->root(),root,checkedIndex(out.ownBlocks.size()-1),nodesAbove);
           }
           if (type == MOVING_MESH_BLOCK)
@@ -144,17 +144,18 @@ namespace embree
           const BlockFormat format = formatOfBlock(type);
           uint32_t surface;
           memcpy(&surface,data+offsetOfSurface(format),sizeof(surface));
-          const uint32_t referenceType = moves ? movingBlockReference : format == MESH_FORMAT ? meshBlockReference
-            : blockReference(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,format),referenceType,ids[surface] });
-          return makeReference(referenceType,checkedIndex(out.ownBlocks.size()-1));
+          const uint32_t childType = moves ? movingBlockReferenceType
+            : format == MESH_FORMAT ? meshBlockReferenceType
+            : blockReferenceType(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,format),childType,ids[surface] });
+          return makeReference(childType,checkedIndex(out.ownBlocks.size()-1));
         }
 
         static uint32_t checkedIndex (size_t i)
         {
-          if (i > referenceMask)
+          if (i > maxReferenceIndex)
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene cannot be flattened: expected at most "
-                           + std::to_string(size_t(referenceMask)+1) + " nodes, blocks or leaves of grids");
+                           + std::to_string(size_t(maxReferenceIndex)+1) + " nodes, blocks or leaves of grids");
           return uint32_t(i);
         }
 

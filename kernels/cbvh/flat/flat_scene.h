@@ -39,7 +39,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! blockReference(kind), movingBlockReference, meshBlockReference, or gridLeafReference for a grid */
+      /*! Type of references to the block (reference.h); gridLeafReferenceType for a grid. */
       uint32_t type;
       uint32_t geomID;   //!< in this scene; blocks store the surface number
     };

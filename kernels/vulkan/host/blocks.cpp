@@ -22,26 +22,26 @@ constexpr size_t readPadding = 16;            // bytes after a block that shader
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
-  return block.type == blockReference(kindVert) || block.type == movingBlockReference;
+  return block.type == blockReferenceType(kindVert) || block.type == movingBlockReferenceType;
 }
 
 /* True if shaders may read beyond the block's end. */
-bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
+bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
 void requireValid(const FlatBlock& block)
 {
-  if (block.type == gridLeafReference) return;
+  if (block.type == gridLeafReferenceType) return;
   cvert::Reason reason;
-  if (block.type == meshBlockReference) reason = cvert::validateMesh(block.data, block.bytes);
+  if (block.type == meshBlockReferenceType) reason = cvert::validateMesh(block.data, block.bytes);
   else if (isVert(block)) {
     reason = cvert::validateVert(block.data, block.bytes);
-    if (!reason && block.type == movingBlockReference && !isMoving(((const VertHeader*)block.data)->info))
+    if (!reason && block.type == movingBlockReferenceType && !isMoving(((const VertHeader*)block.data)->info))
       reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
   }
   else {
     reason = validateFramedBlock(block.data, block.bytes);
-    if (!reason && blockReference(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
+    if (!reason && blockReferenceType(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
       reason = {cvert::ErrorCode::DAMAGED, "its kind differs from that of its reference"};
   }
   if (reason)
@@ -59,7 +59,7 @@ struct BlockUpload
 
   explicit BlockUpload(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
   {
-    if (block.type != gridLeafReference) return;
+    if (block.type != gridLeafReferenceType) return;
     std::memcpy(header, data, sizeof(header));
     headerBytes = sizeof(header);
     const size_t skip = sizeof(header) + header[gridOffsetWord];

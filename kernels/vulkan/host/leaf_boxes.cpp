@@ -67,10 +67,10 @@ public:
   void gather(uint32_t reference, const Bounds& b)
   {
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
-    if (reference == emptyReference || type == instanceReference) return;
-    if (type == nodeReference)
+    if (reference == emptyReference || type == instanceReferenceType) return;
+    if (type == nodeReferenceType)
       for (int i = 0; i < 4; i++) gather(tree.nodes[index].children[i], boundsOfChild(tree.nodes[index], i));
-    else if (type == movingNodeReference)
+    else if (type == movingNodeReferenceType)
       for (int i = 0; i < 4; i++)
         gather(tree.movingNodes[index].atZero.children[i], boundsOfChild(tree.movingNodes[index], i));
     else found.push_back({reference, b});

@@ -261,8 +261,8 @@ private:
     }
     for (size_t i = 0; i < flat.numGridLeaves; i++)
       leaves.push_back({firstBlock[s] + flat.gridLeaves[i].block, flat.gridLeaves[i].vertex});
-    if (flat.numGridLeaves) out.kinds |= 1u << gridLeafReference;
-    if (flat.numMovingNodes) out.kinds |= 1u << movingNodeReference;
+    if (flat.numGridLeaves) out.kinds |= 1u << gridLeafReferenceType;
+    if (flat.numMovingNodes) out.kinds |= 1u << movingNodeReferenceType;
     out.statistics.numBlocks += flat.numBlocks;
   }
 
@@ -271,9 +271,9 @@ private:
   {
     if (reference == emptyReference) return reference;
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
-    if (type == nodeReference) return makeReference(type, uint32_t(offsets[s].node) + index);
-    if (type == movingNodeReference) return makeReference(type, uint32_t(offsets[s].movingNode) + index);
-    if (type == gridLeafReference) return makeReference(type, uint32_t(offsets[s].leaf) + index);
+    if (type == nodeReferenceType) return makeReference(type, uint32_t(offsets[s].node) + index);
+    if (type == movingNodeReferenceType) return makeReference(type, uint32_t(offsets[s].movingNode) + index);
+    if (type == gridLeafReferenceType) return makeReference(type, uint32_t(offsets[s].leaf) + index);
     out.kinds |= 1u << type;
     return makeReference(type, firstBlock[s] + index);
   }
@@ -284,7 +284,7 @@ private:
   void appendTriangles()
   {
     if (tree.triangles.empty()) return;
-    out.kinds |= 1u << triangleReference;
+    out.kinds |= 1u << firstRunReferenceType;
     const uint32_t first = uint32_t(leaves.size());
     requireReferences(first + tree.triangles.size(), "triangles and leaves of grids");
     auto adjusted = [&](uint32_t reference) {
@@ -331,7 +331,7 @@ private:
       }
       data.root = instanced.tree.root;
       data.firstGeometry = instanced.firstGeometry;
-      out.kinds |= 1u << instanceReference;
+      out.kinds |= 1u << instanceReferenceType;
     }
     return data;
   }
@@ -342,7 +342,7 @@ private:
   {
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
     if (isRunType(type)) return RTC_INVALID_GEOMETRY_ID;
-    return blocks[type == gridLeafReference ? leaves[index][0] : index].geomID;
+    return blocks[type == gridLeafReferenceType ? leaves[index][0] : index].geomID;
   }
 
   struct SceneBoxes

@@ -34,7 +34,7 @@ void Bounds::extend(const Bounds& other)
 
 void requireReferences(size_t count, const char* what)
 {
-  const size_t most = size_t(cbvh::referenceMask) + 1;
+  const size_t most = size_t(cbvh::maxReferenceIndex) + 1;
   if (count > most)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has more ") + what
                       + " than references count, " + std::to_string(most));
@@ -129,7 +129,7 @@ public:
       const RTCBounds& b = from->bounds[i];
       setChild(tree.nodes[n], int(i), child, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
     }
-    return cbvh::makeReference(cbvh::nodeReference, n);
+    return cbvh::makeReference(cbvh::nodeReferenceType, n);
   }
 
 private:
@@ -137,12 +137,12 @@ private:
   {
     if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // the item is an instance
       requireReferences(size_t(from->items[0][0]) + 1, "geometries");
-      return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
+      return cbvh::makeReference(cbvh::instanceReferenceType, from->items[0][0]);
     }
     requireReferences(tree.triangles.size() + from->count, "triangles");
     const uint32_t first = uint32_t(tree.triangles.size());
     for (unsigned i = 0; i < from->count; i++) tree.triangles.push_back(from->items[i]);
-    return cbvh::runReference(first, from->count);
+    return cbvh::makeRunReference(first, from->count);
   }
 
   Tree& tree;
@@ -185,7 +185,7 @@ Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf
 
 Subtree Tree::buildTriangles(RTCDevice device, std::vector<Item>& items)
 {
-  return build(device, items, cbvh::maxTriangleRun);
+  return build(device, items, cbvh::maxRunLength);
 }
 
 Subtree Tree::buildInstances(RTCDevice device, std::vector<Item>& items) { return build(device, items, 1); }
@@ -199,7 +199,7 @@ Subtree Tree::join(const std::vector<Subtree>& subtrees)
   if (nonEmpty.size() == 1) return nonEmpty[0];
   Subtree out;
   const uint32_t n = addNode();
-  out.root = cbvh::makeReference(cbvh::nodeReference, n);
+  out.root = cbvh::makeReference(cbvh::nodeReferenceType, n);
   for (size_t i = 0; i < nonEmpty.size(); i++) {
     setChild(nodes[n], int(i), nonEmpty[i].root, nonEmpty[i].bounds);
     out.bounds.extend(nonEmpty[i].bounds);

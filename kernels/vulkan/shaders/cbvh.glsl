@@ -58,13 +58,13 @@
 bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
 
 bool cbvhIsNode (uint type) {
-  return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference);
+  return type == nodeReferenceType || (cbvhHasKind(movingNodeReferenceType) && type == movingNodeReferenceType);
 }
 
 /* True if all framed blocks of the scene have this kind. The compiler then removes the code of other kinds. */
 bool cbvhHasOnly (uint kind)
 {
-  return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
+  return (uint(CBVH_KINDS) & (framedKinds << firstBlockReferenceType)) == (1u << blockReferenceType(kind));
 }
 
 /* isPresent: receives true for each child that exists at the time. */
@@ -110,19 +110,19 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
-  if (cbvhHasKind(gridLeafReference) && type == gridLeafReference)
+  if (cbvhHasKind(gridLeafReferenceType) && type == gridLeafReferenceType)
     return cbvhTraceGridLeaf(scene, ray, index, anyHit, hit);
-  if (cbvhHasKind(triangleReference) && isRunType(type))
-    return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
-  if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
+  if (cbvhHasKind(firstRunReferenceType) && isRunType(type))
+    return cbvhTraceRun(scene, ray, index, runLength(type), anyHit, hit);
+  if (cbvhHasKind(blockReferenceType(kindVert)) && type == blockReferenceType(kindVert))
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
-  if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
+  if (cbvhHasKind(movingBlockReferenceType) && type == movingBlockReferenceType)
     return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
-  if (cbvhHasKind(meshBlockReference) && type == meshBlockReference)
+  if (cbvhHasKind(meshBlockReferenceType) && type == meshBlockReferenceType)
     return cbvhTraceMesh(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
-  if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
+  if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReferenceType)) == 0u) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel
-            : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
+            : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReferenceType;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
@@ -152,7 +152,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
     {
       bvec4 isPresent = bvec4(true);
       CbvhNode node;
-      if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
+      if (cbvhHasKind(movingNodeReferenceType) && referenceType(current) == movingNodeReferenceType)
         node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isPresent);
       else node = nodes.at[current];
       uvec4 keys = cbvhSortChildren(node, isPresent, ray, hit.t);
@@ -168,7 +168,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
 
     if (current != emptyReference)
     {
-      if (cbvhHasKind(instanceReference) && referenceType(current) == instanceReference)
+      if (cbvhHasKind(instanceReferenceType) && referenceType(current) == instanceReferenceType)
       {
         uint geomID = referenceIndex(current);
         GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
@@ -193,7 +193,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
     }
 
     do {
-      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhPreparedRay(worldRay); instanceTop = -1; }
+      if (cbvhHasKind(instanceReferenceType) && top == instanceTop) {
+        ray = cbvhPreparedRay(worldRay);
+        instanceTop = -1;
+      }
       if (top == 0) {
         if (hit.t == framed.x) hit.t = framed.y;
         return found;

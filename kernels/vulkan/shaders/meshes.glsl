@@ -53,7 +53,7 @@ bool cbvhTraceGridLeaf (SceneData scene, CbvhPreparedRay ray, uint index, const 
   CbvhPointer grid = cbvhPointer(scene, leaf.x);
   uint geomID = grid.geomID;
   if (!cbvhIsVisible(scene, ray, geomID)) return false;
-  uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneWord);
+  uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneStrideWord);
   uint first = gridDataWord + cbvhWord(grid, gridOffsetWord)/4u;
   uint quadsX = width > 2u ? 2u : 1u, quads = quadsX*(cbvhWord(grid, gridHeightWord) > 2u ? 2u : 1u);
   bool found = false;
@@ -69,7 +69,7 @@ bool cbvhTraceGridLeaf (SceneData scene, CbvhPreparedRay ray, uint index, const 
     vec2 uv = at.u*cbvhGridParameters(grid, first, plane, corners.y)
             + at.v*cbvhGridParameters(grid, first, plane, corners.z)
             + (1.0 - at.u - at.v)*cbvhGridParameters(grid, first, plane, corners.x);
-    cbvhSetHit(hit, ray, at.t, uv.x, uv.y, at.Ng, cbvhWord(grid, gridPrimitiveWord), geomID);
+    cbvhSetHit(hit, ray, at.t, uv.x, uv.y, at.Ng, cbvhWord(grid, gridPrimIDWord), geomID);
     if (anyHit) return true;
   }
   return found;

@@ -56,7 +56,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   PlacedBoxes place = CbvhPlacedBoxes(scene.placed).at[placed];
   LeafBox leaf = CbvhLeafBoxes(place.boxes).at[box];
   CbvhRay local = ray;
-  if (cbvhHasKind(instanceReference) && place.instID != CBVH_NONE)
+  if (cbvhHasKind(instanceReferenceType) && place.instID != CBVH_NONE)
   {
     GeometryData instance = CbvhGeometries(scene.geometries).at[place.instID];
     CbvhTransform toLocal;
