@@ -160,7 +160,7 @@ private:
     for (const InputScene& input : inputs) {
       firstBlock.push_back(uint32_t(count));
       count += input.flat->numBlocks;
-      requireReferences(count, "blocks");
+      requireIndexable(count, "blocks");
     }
     std::vector<PlacedBlock> placed;
     placed.reserve(count);
@@ -196,7 +196,7 @@ private:
   {
     const size_t s = size_t(&input - inputs.data());
     const FlatScene& flat = *input.flat;
-    std::vector<Item> triangles, instances;
+    std::vector<TreePrimitive> triangles, instances;
     for (size_t i = 0; i < flat.numGeometries; i++) {
       const FlatGeometry& geometry = flat.geometries[i];
       if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
@@ -221,13 +221,13 @@ private:
                             tree.buildInstances(embree.get(), instances)});
   }
 
-  static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
+  static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<TreePrimitive>& triangles)
   {
     for (size_t i = 0; i < geometry.numTriangles; i++)
     {
       uint32_t corners[3];
       std::memcpy(corners, geometry.indices + i*geometry.indexStride, sizeof(corners));
-      Item item = {Bounds::empty(), geomID, uint32_t(i)};
+      TreePrimitive triangle = {Bounds::empty(), geomID, uint32_t(i)};
       bool valid = true;
       for (int c = 0; c < 3 && valid; c++) {
         valid = corners[c] < geometry.numVertices;
@@ -235,9 +235,9 @@ private:
         float p[3];
         std::memcpy(p, geometry.vertices + corners[c]*geometry.vertexStride, sizeof(p));
         valid = isVertexInRange(p);
-        item.bounds.extend(p);
+        triangle.bounds.extend(p);
       }
-      if (valid) items.push_back(item);   // as Embree, skips invalid triangles
+      if (valid) triangles.push_back(triangle);   // as Embree, skips invalid triangles
     }
   }
 
@@ -248,9 +248,9 @@ private:
   {
     offsets.resize(inputs.size());
     offsets[s] = {tree.nodes.size(), tree.movingNodes.size(), leaves.size()};
-    requireReferences(tree.nodes.size() + flat.numNodes, "nodes");
-    requireReferences(tree.movingNodes.size() + flat.numMovingNodes, "nodes of motion");
-    requireReferences(leaves.size() + flat.numGridLeaves, "leaves of grids");
+    requireIndexable(tree.nodes.size() + flat.numNodes, "nodes");
+    requireIndexable(tree.movingNodes.size() + flat.numMovingNodes, "moving nodes");
+    requireIndexable(leaves.size() + flat.numGridLeaves, "leaves of grids");
     for (size_t i = 0; i < flat.numNodes; i++) {
       tree.nodes.push_back(flat.nodes[i]);
       for (uint32_t& child : tree.nodes.back().children) child = renumbered(child, s);
@@ -286,7 +286,7 @@ private:
     if (tree.triangles.empty()) return;
     out.kinds |= 1u << firstRunReferenceType;
     const uint32_t first = uint32_t(leaves.size());
-    requireReferences(first + tree.triangles.size(), "triangles and leaves of grids");
+    requireIndexable(first + tree.triangles.size(), "triangles and leaves of grids");
     auto adjusted = [&](uint32_t reference) {
       return isRunType(referenceType(reference)) ? reference + first : reference;
     };
@@ -408,7 +408,7 @@ private:
     data.nodes = writeArray(tree.nodes.empty() ? &placeholder : tree.nodes.data(),
                             std::max(tree.nodes.size(), size_t(1)), "nodes").address();
     data.movingNodes = tree.movingNodes.empty() ? data.nodes
-      : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
+      : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "moving nodes").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.leaves = writeArray(leaves.data(), leaves.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();

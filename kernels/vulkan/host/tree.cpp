@@ -32,21 +32,21 @@ void Bounds::extend(const Bounds& other)
   extend(other.upper);
 }
 
-void requireReferences(size_t count, const char* what)
+void requireIndexable(size_t count, const char* what)
 {
-  const size_t most = size_t(cbvh::maxReferenceIndex) + 1;
-  if (count > most)
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has more ") + what
-                      + " than references count, " + std::to_string(most));
+  const size_t maxCount = size_t(cbvh::maxReferenceIndex) + 1;
+  if (count > maxCount)
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has too many ") + what + ", at least "
+                      + std::to_string(count) + ": expected at most " + std::to_string(maxCount));
 }
 
 uint32_t Tree::addNode()
 {
-  requireReferences(nodes.size() + 1, "nodes");
+  requireIndexable(nodes.size() + 1, "nodes");
   nodes.emplace_back();
   FlatNode& node = nodes.back();
   for (int i = 0; i < 4; i++) {
-    node.children[i] = cbvh::emptyReference;
+    node.children[i] = cbvh::emptyReference; // with bounds that no ray hits, see FlatNode
     for (int k = 0; k < 3; k++) node.lower[k][i] = node.upper[k][i] = std::numeric_limits<float>::infinity();
   }
   return uint32_t(nodes.size() - 1);
@@ -67,10 +67,10 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
 struct BuildNode
 {
   bool isLeaf;
-  unsigned count = 0;
+  unsigned count = 0;                                         // of children, or of the leaf's primitives
   RTCBounds bounds[4];
   BuildNode* children[4];
-  std::array<uint32_t, 2> items[4];   // geomID and primID
+  std::array<uint32_t, 2> primitives[cbvh::maxRunLength];     // geomID and primID
 };
 
 void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
@@ -96,18 +96,19 @@ void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*)
   for (unsigned i = 0; i < count; i++) static_cast<BuildNode*>(pointer)->bounds[i] = *bounds[i];
 }
 
-void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void*)
+void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
+                 void*)
 {
   void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
   if (!memory) return nullptr;
   BuildNode* leaf = new (memory) BuildNode;
   leaf->isLeaf = true;
   leaf->count = unsigned(count);
-  for (size_t i = 0; i < count; i++) leaf->items[i] = {items[i].geomID, items[i].primID};
+  for (size_t i = 0; i < count; i++) leaf->primitives[i] = {primitives[i].geomID, primitives[i].primID};
   return leaf;
 }
 
-struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
+struct BVHDeleter { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
 
 class TreeCopier
 {
@@ -116,16 +117,16 @@ public:
 
   uint32_t depth = 0;
 
-  /* Returns a reference to the copy of a subtree. above: nodes on the path to it. */
-  uint32_t reference(const BuildNode* from, uint32_t above)
+  /* Copies a subtree, and returns a reference to the copy. nodesAbove: number of nodes above it. */
+  uint32_t copySubtree(const BuildNode* from, uint32_t nodesAbove)
   {
     if (!from)
       throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
-    if (from->isLeaf) return leaf(from);
-    depth = std::max(depth, above + 1);
+    if (from->isLeaf) return copyLeaf(from);
+    depth = std::max(depth, nodesAbove + 1);
     const uint32_t n = tree.addNode();
     for (unsigned i = 0; i < from->count; i++) {
-      const uint32_t child = reference(from->children[i], above + 1);
+      const uint32_t child = copySubtree(from->children[i], nodesAbove + 1);
       const RTCBounds& b = from->bounds[i];
       setChild(tree.nodes[n], int(i), child, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
     }
@@ -133,15 +134,16 @@ public:
   }
 
 private:
-  uint32_t leaf(const BuildNode* from)
+  uint32_t copyLeaf(const BuildNode* from)
   {
-    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // the item is an instance
-      requireReferences(size_t(from->items[0][0]) + 1, "geometries");
-      return cbvh::makeReference(cbvh::instanceReferenceType, from->items[0][0]);
+    const uint32_t geomID = from->primitives[0][0], primID = from->primitives[0][1];
+    if (primID == RTC_INVALID_GEOMETRY_ID) { // an instance, see TreePrimitive; buildInstances puts one into each leaf
+      requireIndexable(size_t(geomID) + 1, "geometries");
+      return cbvh::makeReference(cbvh::instanceReferenceType, geomID);
     }
-    requireReferences(tree.triangles.size() + from->count, "triangles");
+    requireIndexable(tree.triangles.size() + from->count, "triangles");
     const uint32_t first = uint32_t(tree.triangles.size());
-    for (unsigned i = 0; i < from->count; i++) tree.triangles.push_back(from->items[i]);
+    for (unsigned i = 0; i < from->count; i++) tree.triangles.push_back(from->primitives[i]);
     return cbvh::makeRunReference(first, from->count);
   }
 
@@ -150,45 +152,48 @@ private:
 
 } // namespace
 
-Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf)
+Subtree Tree::build(RTCDevice device, std::vector<TreePrimitive>& primitives, unsigned maxLeafSize)
 {
   Subtree out;
-  if (items.empty()) return out;
-  std::vector<RTCBuildPrimitive> primitives(items.size());
-  for (size_t i = 0; i < items.size(); i++) {
-    const Item& item = items[i];
-    out.bounds.extend(item.bounds);
-    primitives[i] = {item.bounds.lower[0], item.bounds.lower[1], item.bounds.lower[2], item.geomID,
-                     item.bounds.upper[0], item.bounds.upper[1], item.bounds.upper[2], item.primID};
+  if (primitives.empty()) return out;
+  std::vector<RTCBuildPrimitive> input(primitives.size());
+  for (size_t i = 0; i < primitives.size(); i++) {
+    const TreePrimitive& p = primitives[i];
+    out.bounds.extend(p.bounds);
+    input[i] = {p.bounds.lower[0], p.bounds.lower[1], p.bounds.lower[2], p.geomID,
+                p.bounds.upper[0], p.bounds.upper[1], p.bounds.upper[2], p.primID};
   }
-  std::vector<Item>().swap(items);
-  std::unique_ptr<RTCBVHTy, BVHRelease> bvh(rtcNewBVH(device));
+  std::vector<TreePrimitive>().swap(primitives);
+  std::unique_ptr<RTCBVHTy, BVHDeleter> bvh(rtcNewBVH(device));
   RTCBuildArguments args = rtcDefaultBuildArguments();
   args.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   args.maxBranchingFactor = 4;
   args.minLeafSize = 1;
-  args.maxLeafSize = maxLeaf;
+  args.maxLeafSize = maxLeafSize;
   args.bvh = bvh.get();
-  args.primitives = primitives.data();
-  args.primitiveCount = args.primitiveArrayCapacity = primitives.size();
+  args.primitives = input.data();
+  args.primitiveCount = args.primitiveArrayCapacity = input.size();
   args.createNode = createNode;
   args.setNodeChildren = setChildren;
   args.setNodeBounds = setBounds;
   args.createLeaf = createLeaf;
   const BuildNode* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&args)) : nullptr;
-  std::vector<RTCBuildPrimitive>().swap(primitives);
+  std::vector<RTCBuildPrimitive>().swap(input);
   TreeCopier copier(*this);
-  out.root = copier.reference(root, 0);
+  out.root = copier.copySubtree(root, 0);
   out.depth = copier.depth;
   return out;
 }
 
-Subtree Tree::buildTriangles(RTCDevice device, std::vector<Item>& items)
+Subtree Tree::buildTriangles(RTCDevice device, std::vector<TreePrimitive>& primitives)
 {
-  return build(device, items, cbvh::maxRunLength);
+  return build(device, primitives, cbvh::maxRunLength);
 }
 
-Subtree Tree::buildInstances(RTCDevice device, std::vector<Item>& items) { return build(device, items, 1); }
+Subtree Tree::buildInstances(RTCDevice device, std::vector<TreePrimitive>& primitives)
+{
+  return build(device, primitives, 1);
+}
 
 Subtree Tree::join(const std::vector<Subtree>& subtrees)
 {

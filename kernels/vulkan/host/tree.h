@@ -36,14 +36,14 @@ struct Subtree
 };
 
 /* A triangle, or an instance, whose primID is RTC_INVALID_GEOMETRY_ID. */
-struct Item
+struct TreePrimitive
 {
   Bounds bounds;
   uint32_t geomID, primID;
 };
 
-/* Throws VulkanError if references cannot represent all indices below `count`. what: for the message. */
-void requireReferences(size_t count, const char* what);
+/* Throws VulkanError if references cannot represent all indices below `count`. what: plural noun for the message. */
+void requireIndexable(size_t count, const char* what);
 
 class Tree
 {
@@ -52,18 +52,19 @@ public:
   std::vector<FlatMovingNode> movingNodes;
   std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves are runs of them
 
-  /* Add a tree over the items, and free the items, which may be large. */
-  Subtree buildTriangles(RTCDevice device, std::vector<Item>& items);
-  Subtree buildInstances(RTCDevice device, std::vector<Item>& items);
+  /* Add a tree over the primitives, and free `primitives`, which may be large. */
+  Subtree buildTriangles(RTCDevice device, std::vector<TreePrimitive>& primitives);
+  Subtree buildInstances(RTCDevice device, std::vector<TreePrimitive>& primitives);
 
-  /* Adds a node over up to four subtrees, omitting empty ones. */
+  /* Joins up to four subtrees under a new node, and returns the result. Omits empty subtrees; adds no node if at most
+   * one is left. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
   /* Returns the index of a new node without children. */
   uint32_t addNode();
 
 private:
-  Subtree build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf);
+  Subtree build(RTCDevice device, std::vector<TreePrimitive>& primitives, unsigned maxLeafSize);
 };
 
 }} // namespace embree::vulkan
