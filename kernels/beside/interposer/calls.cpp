@@ -65,7 +65,7 @@ bool reportProgress(void* ptr, double done)
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
-  const auto all = objects.substitutedOf(scene);
+  const auto all = objects.retainSubstituted(scene);
   size_t count = 0, done = 0;
   for (const auto& entry : all) count += entry.second->substituted->needsBuild();
   for (const auto& entry : all) {
@@ -77,7 +77,7 @@ void prepare(Scene& scene)
           || scene.progress(scene.progressPtr, buildFraction*(double(done) + part)/double(count)); });
     done += needsBuild;
     const bool isOriginal = geometry.isLeftToEmbree();
-    if (!objects.exchange(scene, entry.first, entry.second, isOriginal)) continue;
+    if (!objects.setIsOriginal(scene, entry.first, entry.second, isOriginal)) continue;
     REAL(rtcDetachGeometry)(scene.handle, entry.first);
     REAL(rtcAttachGeometryByID)(scene.handle, isOriginal ? entry.second->handle : geometry.substitute, entry.first);
   }
@@ -91,16 +91,16 @@ public:
   explicit Commit(RTCScene handle) : scene(isActive() && handle ? Objects::get().find(handle) : nullptr)
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->joining);
-    if (scene->numJoined++ == 0 || scene->isEnding) scene->isCanceled = false;
-    scene->isEnding = false;
+    const std::lock_guard<std::mutex> lock(scene->commitMutex);
+    if (scene->numCommitting++ == 0 || scene->startsNewCommit) scene->isCanceled = false;
+    scene->startsNewCommit = false;
   }
   ~Commit()
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->joining);
-    scene->numJoined--;
-    scene->isEnding = true;
+    const std::lock_guard<std::mutex> lock(scene->commitMutex);
+    scene->numCommitting--;
+    scene->startsNewCommit = true;
   }
   Commit(const Commit&) = delete;
   Commit& operator=(const Commit&) = delete;
@@ -108,7 +108,7 @@ public:
   void prepare()
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->preparing);
+    const std::lock_guard<std::mutex> lock(scene->prepareMutex);
     ::prepare(*scene);
   }
 

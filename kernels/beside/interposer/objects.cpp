@@ -74,7 +74,7 @@ void Objects::release(Scene* scene, Garbage& garbage)
   if (--scene->references > 0) return;
   scenes.erase(scene->handle);
   garbage.scenes.emplace_back(scene);
-  for (const auto& attached : scene->attached) release(attached.second.geometry, garbage);
+  for (const auto& attached : scene->attachments) release(attached.second.geometry, garbage);
 }
 
 Objects::Garbage Objects::release(RTCScene scene)
@@ -98,7 +98,7 @@ void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, 
   const Lock lock(mutex);
   Scene* const target = findOrNull(scenes, scene);
   Geometry* const attached = findOrNull(geometries, geometry);
-  if (!target || !attached || !target->attached.insert({geomID, {attached, isOriginal}}).second) return;
+  if (!target || !attached || !target->attachments.insert({geomID, {attached, isOriginal}}).second) return;
   attached->references++;
 }
 
@@ -108,10 +108,10 @@ Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID)
   Garbage garbage;
   Scene* const from = findOrNull(scenes, scene);
   if (!from) return garbage;
-  const auto attached = from->attached.find(geomID);
-  if (attached == from->attached.end()) return garbage;
+  const auto attached = from->attachments.find(geomID);
+  if (attached == from->attachments.end()) return garbage;
   Geometry* const geometry = attached->second.geometry;
-  from->attached.erase(attached);
+  from->attachments.erase(attached);
   release(geometry, garbage);
   return garbage;
 }
@@ -133,11 +133,11 @@ Objects::Garbage Objects::setInstanced(RTCGeometry geometry, const RTCScene* ins
   return garbage;
 }
 
-std::vector<std::pair<unsigned int, Geometry*>> Objects::substitutedOf(Scene& scene)
+std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene& scene)
 {
   const Lock lock(mutex);
   std::vector<std::pair<unsigned int, Geometry*>> all;
-  for (const auto& attached : scene.attached)
+  for (const auto& attached : scene.attachments)
     if (attached.second.geometry->substituted) {
       attached.second.geometry->references++;
       all.push_back({attached.first, attached.second.geometry});
@@ -153,11 +153,11 @@ Objects::Garbage Objects::releaseAll(const std::vector<std::pair<unsigned int, G
   return garbage;
 }
 
-bool Objects::exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal)
+bool Objects::setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal)
 {
   const Lock lock(mutex);
-  const auto attached = scene.attached.find(geomID);
-  if (attached == scene.attached.end() || attached->second.geometry != geometry
+  const auto attached = scene.attachments.find(geomID);
+  if (attached == scene.attachments.end() || attached->second.geometry != geometry
     || attached->second.isOriginal == isOriginal) return false;
   attached->second.isOriginal = isOriginal;
   return true;
@@ -169,13 +169,13 @@ bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsig
   const Lock lock(mutex);
   const Scene* inner = findOrNull(scenes, scene);
   for (unsigned int level = 0; level < numInstances && inner; level++) {
-    const auto instance = inner->attached.find(instances[level]);
-    inner = instance == inner->attached.end()
+    const auto instance = inner->attachments.find(instances[level]);
+    inner = instance == inner->attachments.end()
       || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
   }
   if (!inner) return false;
-  const auto attached = inner->attached.find(geomID);
-  return attached != inner->attached.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
+  const auto attached = inner->attachments.find(geomID);
+  return attached != inner->attachments.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
 }
 
 } // namespace interposer

@@ -37,14 +37,14 @@ struct Scene
 {
   RTCScene handle;
   size_t references = 1;
-  std::map<unsigned int, Attachment> attached; // by geomID; only geometries that Objects contains
+  std::map<unsigned int, Attachment> attachments; // by geomID; only geometries that Objects contains
   RTCProgressMonitorFunction progress = nullptr; // the application's
   void* progressPtr = nullptr;
-  std::mutex preparing;                  // held while a thread builds substitutes
-  std::mutex joining;                    // protects the two members below
-  size_t numJoined = 0;                  // threads in the current commit
-  bool isEnding = true;                  // a thread has left it
-  std::atomic<bool> isCanceled{false};   // for all threads that joined the commit
+  std::mutex prepareMutex;               // held while a thread builds substitutes
+  std::mutex commitMutex;                // protects the two members below
+  size_t numCommitting = 0;              // threads in rtcCommitScene or rtcJoinCommitScene
+  bool startsNewCommit = true;           // the next thread starts a new commit: a thread has left the current one
+  std::atomic<bool> isCanceled{false};   // for all threads that joined the current commit
 };
 
 /* Thread-safe. Handles that Objects does not contain are ignored. */
@@ -66,8 +66,8 @@ public:
   void retain(RTCScene scene);
   void retain(RTCGeometry geometry);
 
-  /* Objects without references. The caller must destroy them after Embree has released the object that referred to
-   * them. Destroying them calls Embree, so Objects must not be locked then. */
+  /* Objects without references, including the released object itself. The caller must keep them until Embree has
+   * released that object. Destroying them calls Embree, so Objects must not be locked then. */
   struct Garbage
   {
     std::vector<std::unique_ptr<Geometry>> geometries;
@@ -80,15 +80,16 @@ public:
   Garbage detach(RTCScene scene, unsigned int geomID);
   Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
 
-  /* Retains the attached geometries with substitutes, which the caller must pass to releaseAll. */
-  std::vector<std::pair<unsigned int, Geometry*>> substitutedOf(Scene& scene);
+  /* Retains and returns the attached geometries that have substitutes, with their geomIDs. The caller must pass the
+   * result to releaseAll. */
+  std::vector<std::pair<unsigned int, Geometry*>> retainSubstituted(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
-  /* Records whether Embree's scene must contain the original. Returns true if the caller must exchange it with the
-   * substitute, or the reverse. */
-  bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
+  /* Records whether Embree's scene must contain the original or the substitute. Returns true if the caller must replace
+   * one by the other, and false if nothing changes, or if another thread has detached the geometry. */
+  bool setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if geomID is a substitute. instances: IDs of instances from `scene` to the scene with this geometry, outermost
-   * first. */
+  /* True if Embree's geometry with this ID is a substitute. instances: IDs of instances from `scene` to the scene with
+   * this geometry, outermost first. An instance array counts as an instance of its first scene. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

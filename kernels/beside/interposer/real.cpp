@@ -11,13 +11,16 @@
 
 namespace interposer {
 
-static void* lookUp(const char* name)
+/* As findReal, but returns NULL if no loaded Embree has the function. */
+static void* findFunction(const char* name)
 {
   if (void* const next = dlsym(RTLD_NEXT, name)) return next;
+  /* A plugin that the program loaded with RTLD_LOCAL also calls this library, but RTLD_NEXT does not find the plugin's
+   * Embree. RTLD_NOLOAD opens only libraries that are loaded already. */
   for (const char* library : {"libembree4.so.4", "libembree3.so.3"}) {
     void* const handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
     if (!handle) continue;
-    if (void* const function = dlsym(handle, name)) return function;
+    if (void* const function = dlsym(handle, name)) return function; // the open handle keeps the library loaded
     dlclose(handle);
   }
   return nullptr;
@@ -25,9 +28,10 @@ static void* lookUp(const char* name)
 
 void* findReal(const char* name)
 {
-  void* const function = lookUp(name);
+  void* const function = findFunction(name);
   if (!function) {
-    std::fprintf(stderr, "libembree_cbvh_interposer: the program calls %s, but has not loaded Embree\n", name);
+    std::fprintf(stderr, "libembree_cbvh_interposer: the program calls %s, which no loaded library provides: expected "
+                 "libembree4.so.4 or libembree3.so.3\n", name);
     std::abort();
   }
   return function;
@@ -35,11 +39,9 @@ void* findReal(const char* name)
 
 bool isActive()
 {
-  static const bool is = [] {
-    /* exists in Embree 4, but not in Embree 3 */
-    return options().isOn && lookUp("rtcInvokeIntersectFilterFromGeometry") != nullptr;
-  }();
-  return is;
+  /* Embree 4 has rtcInvokeIntersectFilterFromGeometry, but Embree 3 does not. */
+  static const bool active = options().isOn && findFunction("rtcInvokeIntersectFilterFromGeometry") != nullptr;
+  return active;
 }
 
 } // namespace interposer

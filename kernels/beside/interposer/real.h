@@ -9,8 +9,9 @@
 
 namespace interposer {
 
-/* Returns Embree's function: the next one after this library in the dynamic linker's search order. If there is none,
- * returns the one of an Embree that was loaded with RTLD_LOCAL, and keeps that loaded, or else aborts the program. */
+/* Returns Embree's function of this name: the next one after this library in the dynamic linker's search order. If
+ * there is none, searches an Embree that was loaded with RTLD_LOCAL, and keeps it loaded if it has the function. Aborts
+ * the program if no loaded Embree has the function. */
 void* findReal(const char* name);
 
 /* False if the environment disables this library, or the program uses Embree 3, whose functions of the same names have
