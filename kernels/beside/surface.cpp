@@ -396,10 +396,10 @@ void CbvhSurfaceTy::load(const char* path)
 {
   const core::CompressedFile file(context->embreeDevice(), path);
   require(file.size() == 1, "invalid number of geometries in the file: expected 1");
-  const core::FileDescription description = file.describe(0);
+  const core::CompressedFileGeometryInfo info = file.geometryInfo(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
-  current->numPrimitives = description.primitiveCount;
-  current->isMesh = description.type == RTC_GEOMETRY_TYPE_QUAD || description.type == RTC_GEOMETRY_TYPE_TRIANGLE;
+  current->numPrimitives = info.primitiveCount;
+  current->isMesh = info.type == RTC_GEOMETRY_TYPE_QUAD || info.type == RTC_GEOMETRY_TYPE_TRIANGLE;
 }
 
 std::shared_ptr<const Input> CbvhSurfaceTy::committedInput() const

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C API of include/embree3/rtcore_compressed_files.h: checks pointers, calls core/files.h, and reports its
- * exceptions to the device. */
+/* The C API of include/embree3/rtcore_compressed_files.h: checks pointers, calls core/files.h, and reports exceptions
+ * to the device. Errors that concern no device, such as NULL objects, are reported to the calling thread. */
 
 #define RTC_EXPORT_API
 
@@ -72,7 +72,7 @@ RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount (RTCCompressedFileW
   RTC_CATCH_BEGIN;
   requireNotNull(writer,"writer");
   return (unsigned int)writer->size();
-  RTC_CATCH_END(nullptr);
+  RTC_CATCH_END2(writer);
   return 0;
 }
 
@@ -135,17 +135,17 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   RTC_CATCH_BEGIN;
   requireNotNull(file,"file");
   requireNotNull(description,"description");
-  const core::FileDescription info = file->describe(index);
+  const core::CompressedFileGeometryInfo from = file->geometryInfo(index);
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
-  to.type = info.type;
-  to.compression = info.compression;
-  to.primitiveCount = info.primitiveCount;
-  to.timeStepCount = info.timeStepCount;
-  to.begin = info.begin;
-  to.end = info.end;
-  std::copy_n(info.lower,3,to.lower);
-  std::copy_n(info.upper,3,to.upper);
-  to.bytes = info.bytes;
+  to.type = from.type;
+  to.compression = from.compression;
+  to.primitiveCount = from.primitiveCount;
+  to.timeStepCount = from.timeStepCount;
+  to.begin = from.begin;
+  to.end = from.end;
+  std::copy_n(from.lower,3,to.lower);
+  std::copy_n(from.upper,3,to.upper);
+  to.bytes = from.bytes;
   core::writeStruct(description,to);
   return true;
   RTC_CATCH_END2(file);

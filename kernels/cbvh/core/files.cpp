@@ -109,19 +109,19 @@ namespace embree
 
     size_t CompressedFile::size () const { return file->size(); }
 
-    FileDescription CompressedFile::describe (size_t index) const
+    CompressedFileGeometryInfo CompressedFile::geometryInfo (size_t index) const
     {
       const cvert::FileGeometry& record = recordOf(*file,index);
-      FileDescription description;
-      description.type = typeOf(record);
-      description.compression = RTCCompression(record.compression);
-      description.primitiveCount = record.numPrimitives;
-      description.timeStepCount = record.numTimeSteps;
-      description.begin = record.begin;
-      description.end = record.end;
-      for (int k=0; k<3; k++) { description.lower[k] = record.lower[k]; description.upper[k] = record.upper[k]; }
-      description.bytes = size_t(record.treeBytes + record.blockBytes);
-      return description;
+      CompressedFileGeometryInfo info;
+      info.type = typeOf(record);
+      info.compression = RTCCompression(record.compression);
+      info.primitiveCount = record.numPrimitives;
+      info.timeStepCount = record.numTimeSteps;
+      info.begin = record.begin;
+      info.end = record.end;
+      for (int k=0; k<3; k++) { info.lower[k] = record.lower[k]; info.upper[k] = record.upper[k]; }
+      info.bytes = size_t(record.treeBytes + record.blockBytes);
+      return info;
     }
 
     cbvh::CompressionStatistics CompressedFile::statistics (size_t index) const {

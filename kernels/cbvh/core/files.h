@@ -62,8 +62,8 @@ namespace embree
       std::unique_ptr<cvert::FileWriter> writer;
     };
 
-    /*! Entry of a file's directory. */
-    struct FileDescription
+    /*! Describes a geometry in a file, as RTCCompressedFileGeometryInfo does. */
+    struct CompressedFileGeometryInfo
     {
       RTCGeometryType type;                    //!< of the saved geometry
       RTCCompression compression;              //!< representation
@@ -88,14 +88,14 @@ namespace embree
       size_t size () const;
 
       /*! Reads neither tree nor blocks. Errors: RTC_ERROR_INVALID_ARGUMENT if index is not below size(). */
-      FileDescription describe (size_t index) const;
+      CompressedFileGeometryInfo geometryInfo (size_t index) const;
 
-      /*! Errors: as describe. */
+      /*! Errors: as geometryInfo. */
       cbvh::CompressionStatistics statistics (size_t index) const;
 
       /*! As rtcLoadCompressedGeometry: returns a new, committed geometry with one reference, which the caller must
        *  release. If an index is loaded twice, the second geometry has private copies of the blocks that rays reach.
-       *  Errors: as describe; RTC_ERROR_INVALID_ARGUMENT if the tree is damaged; std::bad_alloc. */
+       *  Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree is damaged; std::bad_alloc. */
       Geometry* load (size_t index) const;
 
       /*! Reads the whole file. Errors: RTC_ERROR_INVALID_ARGUMENT, naming the damaged checksum, tree or block. */
