@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Buffers the blocks of one task of a build. flush() copies them to the memory of the surface and lists a primitive for
- * each: a box with a reference, from which the top-level tree is built. For one thread. */
+/* Collects the blocks that a task of a build writes, in a buffer. flush() copies them to the memory of the surface, and
+ * adds a primitive for each: an Embree PrimRef with the block's bounds and its leaf reference, from which the top-level
+ * tree is built. A store is used by one thread. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -54,29 +55,31 @@ namespace embree
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
+      /*! Adds a copy of a block. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(reserve(size),block,size);
         commit(size,bounds,type);
       }
 
-      /*! Writers call this after each patch, and flush() after the last one. */
+      /*! Bounds the size of the buffer. For writers whose blocks need not be contiguous; BuildResults::add() flushes
+       *  the rest. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
-      /*! Copies the buffered blocks and creates their primitives. Blocks share allocations, whose sizes the allocator
-       *  rounds up. */
+      /*! Copies the buffered blocks and adds their primitives. Several blocks share an allocation, because the allocator
+       *  rounds up each size. */
       void flush ()
       {
         for (size_t i=0, next; i<pending.size(); i=next)
         {
           const size_t begin = pending[i].offset;
-          for (next=i+1; next<pending.size() && pending[next].offset-begin < maxPieceBytes; next++);
+          for (next=i+1; next<pending.size() && pending[next].offset-begin < allocationThresholdBytes; next++);
           const size_t size = (next < pending.size() ? pending[next].offset : used) - begin;
-          char* piece = (char*)memory->allocate(size+pending[next-1].readPadding);
-          memcpy(piece,bytes.data()+begin,size);
+          char* copy = (char*)memory->allocate(size+pending[next-1].readPadding);
+          memcpy(copy,bytes.data()+begin,size);
           for (size_t k=i; k<next; k++)
             addPrimitive(pending[k].bounds,
-                         size_t(BVH4::encodeTypedLeaf(piece+(pending[k].offset-begin),pending[k].type)));
+                         size_t(BVH4::encodeTypedLeaf(copy+(pending[k].offset-begin),pending[k].type)));
         }
         pending.clear();
         used = 0;
@@ -90,12 +93,15 @@ namespace embree
       mvector<PrimRef> prims;
       mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-      static const size_t flushThresholdBytes = 1 << 14; //!< flushIfFull() flushes if more bytes are buffered
+      /*! Buffered bytes above which flushIfFull() flushes. Small, because Embree's allocator leaves the end of a chunk
+       *  unused if the next allocation does not fit. */
+      static const size_t flushThresholdBytes = 1 << 14;
 
     private:
-      /*! Bound on an allocation of flush(), not counting its last block. Embree's allocator has chunks of up to 2 MiB:
-       *  larger allocations would leave much of a chunk unused, or not fit. */
-      static const size_t maxPieceBytes = 1 << 20;
+      /*! Bytes after which flush() begins a new allocation. The last block of an allocation may exceed the limit.
+       *  Embree's allocator has chunks of up to 2 MiB: larger allocations would leave much of a chunk unused, or not
+       *  fit. */
+      static const size_t allocationThresholdBytes = 1 << 20;
 
       struct PendingBlock
       {
