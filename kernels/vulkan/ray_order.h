@@ -6,7 +6,7 @@
 #ifndef CBVH_RAY_ORDER_H
 #define CBVH_RAY_ORDER_H
 
-#include "../cbvh/base/codec.h"
+#include "../cbvh/base/codec_names.h"
 
 CBVH_BEGIN
 

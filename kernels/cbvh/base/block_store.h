@@ -12,7 +12,7 @@
 #include "kinds.h"
 #include "primitive_type.h"
 #include "step_box.h"
-#include "codec.h"
+#include "codec_names.h"
 #include "../../cvert/basics/world.h"
 
 namespace embree
@@ -66,8 +66,8 @@ namespace embree
        *  the rest. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
-      /*! Copies the buffered blocks and adds their primitives. Several blocks share an allocation, because the allocator
-       *  rounds up each size. */
+      /*! Copies the buffered blocks and adds their primitives. Several blocks share an allocation, because the
+       *  allocator rounds up each size. */
       void flush ()
       {
         for (size_t i=0, next; i<pending.size(); i=next)

@@ -5,7 +5,7 @@
 
 /* Statistics that a task of a build collects. BuildResults merges the tasks of a surface. */
 
-#include "codec.h"
+#include "codec_names.h"
 #include "surface_statistics.h"
 #include <algorithm>
 #include <cmath>

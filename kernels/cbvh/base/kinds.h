@@ -12,7 +12,7 @@
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
 
-#include "codec.h"
+#include "codec_names.h"
 #include "../../cvert/format/limits.h"
 
 CBVH_BEGIN

@@ -7,7 +7,7 @@
  * can contain blocks and uncompressed patches. Embree's references have only 3 type bits: a type selects the format of
  * a block, and the block's header stores the kind. */
 
-#include "codec.h"
+#include "codec_names.h"
 #include <cstddef>
 #include <cstdint>
 

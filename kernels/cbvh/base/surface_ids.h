@@ -10,7 +10,7 @@
  * If Embree traces the static surfaces of a scene, their grids store IDs instead of numbers. Numbers of moving surfaces
  * have an additional bit, movingSurface, which no ID has. */
 
-#include "codec.h"
+#include "codec_names.h"
 #include "../../cvert/format/limits.h"
 #include <cstddef>
 #include <cstdint>

@@ -6,7 +6,7 @@
 /* cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Products are
  * fused exactly where the code says so, because compilers could fuse differently in different places. */
 
-#include "codec.h"
+#include "codec_names.h"
 #include "../../cvert/rule/reciprocal.h"
 #include "../embree/simd.h"
 

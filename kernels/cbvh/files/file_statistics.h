@@ -5,7 +5,7 @@
 
 /* Converts the statistics of a surface to and from its record in a file (cvert/file/format.h). */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/surface_statistics.h"
 #include "../../cvert/file/format.h"
 

@@ -6,7 +6,7 @@
 /* A geometry loaded from a file has blocks, but no input. Its mask, filters, user data and enabled state can be set.
  * Functions that read or change input fail. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../embree/scene.h"
 #include "../../cvert/file/format.h"
 

@@ -6,7 +6,7 @@
 /* Loads the surfaces of a file, for core/files.h. Loading reads and checks trees and moving blocks. Other blocks stay
  * in the mapped file, and are checked when rays first reach them (mapped_blocks.h). */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/file/file.h"
 #include <memory>
 

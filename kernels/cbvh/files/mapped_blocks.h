@@ -8,7 +8,7 @@
  * hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/block_validity.h"
 #include "../../cvert/file/file.h"
 #include <cstdint>

@@ -5,7 +5,7 @@
 
 /* Saves surfaces to a file, for core/files.h. The inverse of loaded_surface.h. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/file/writer.h"
 
 namespace embree

@@ -6,7 +6,7 @@
 /* Validates blocks with frames (framed/block.h). cvert/decoder/validate.h validates all others. */
 
 #include "../framed/block.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/decoder/validate.h"
 #include "../../cvert/basics/reason.h"
 

@@ -12,7 +12,7 @@
  *
  * The scene's bounds must contain everything that a ray can hit, because applications clip rays to them. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/world.h"
 #include "tree.h"
 #include "block_geometry.h"

@@ -11,7 +11,7 @@
 #include "leaf/format.h"
 #include "frame_fit.h"
 #include "node_encoder.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/vertices4.h"
 #include <algorithm>
 #include <cstring>

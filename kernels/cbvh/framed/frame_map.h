@@ -7,7 +7,7 @@
  * maps rays. */
 
 #include "block.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/double4.h"
 #include "../../cvert/basics/world.h"
 

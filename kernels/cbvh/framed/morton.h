@@ -7,7 +7,7 @@
 #ifndef CBVH_MORTON_H
 #define CBVH_MORTON_H
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 
 CBVH_BEGIN
 

@@ -7,7 +7,7 @@
  * rounded inwards. */
 
 #include "node.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/double4.h"
 #include <algorithm>
 

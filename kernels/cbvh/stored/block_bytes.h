@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../framed/block.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/primitive_type.h"
 #include "../../cvert/format/mesh_block.h"
 #include "../../cvert/format/motion.h"

@@ -7,7 +7,7 @@
  * computes the same floats. */
 
 #include "../framed/block.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/primitive_type.h"
 #include "../../cvert/format/mesh_block.h"
 #include "part.h"

@@ -5,7 +5,7 @@
 
 /* Vertices of a cVERT or mesh block at the time of a ray: the same floats that traversal computes, without SIMD. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "stored_triangles.h"

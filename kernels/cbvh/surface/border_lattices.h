@@ -23,7 +23,7 @@
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/tasks.h"
 #include "../../cvert/encoder/lattice.h"
 #include "coarse_lattice.h"

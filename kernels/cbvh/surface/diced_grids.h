@@ -28,7 +28,7 @@
  *       Estimated bytes of Embree's own kernels for a grid. */
 
 #include "embree_bytes.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/encoder/lattice.h"
 #include "mesh_parts.h"
 #include "source.h"

@@ -7,7 +7,7 @@
  * Uses doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
 
 #include "../embree/scene.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/world.h"
 #include "dicing_camera.h"
 

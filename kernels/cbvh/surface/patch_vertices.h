@@ -6,7 +6,7 @@
 /* Vertices of a patch or a part of it, row by row, before and after displacement: the result of Patch::evaluate()
  * (source.h). A task reuses the memory for each patch. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/vertices4.h"
 #include "../embree/scene.h"
 

@@ -6,7 +6,7 @@
 /* Hash table of vertices by position, with open addressing, for GridBorders and StitchedVertices. Vertices that are
  * equal floats at all time steps have one entry. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/atomic_ref.h"
 #include "../embree/scene.h"
 #include <functional>

@@ -13,7 +13,7 @@
  *    v0 --- v1 --- .       triangles as in their mesh. */
 
 #include "../embree/scene.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "welded_vertices.h"
 #include <algorithm>

@@ -26,7 +26,7 @@
  * cage_topology.h finds owners and rates, and cage_borders.h evaluates the owned vertices. */
 
 #include "../base/build_statistics.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/encoder/lattice.h"
 #include "../../cvert/format/block.h"
 #include "patch_vertices.h"

@@ -9,7 +9,7 @@
 #include "point_query.h"
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/world.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"

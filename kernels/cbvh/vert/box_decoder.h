@@ -6,7 +6,7 @@
 /* SIMD decoder of the boxes of a cVERT block's groups (cvert/format/block.h). Needs the corners of the groups and their
  * margins, but not the groups' other vertices. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/rule/rule.h"
 #include "quad_corners.h"
 #include "cache.h"

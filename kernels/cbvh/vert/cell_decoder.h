@@ -8,7 +8,7 @@
 
 #include "quad_corners.h"
 #include "cache.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/format/block.h"
 
 namespace embree

@@ -9,7 +9,7 @@
 #include "tables.h"
 #include "../base/intrinsics.h"
 #include "../base/vectors.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/format/cell.h"
 
 namespace embree

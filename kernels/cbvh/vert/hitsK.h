@@ -6,7 +6,7 @@
 /* hits1.h for packets of K rays. Rays with exactly one triangle, which most have, are processed together; the others,
  * and rays with uncertain hits, one by one. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/basics/double4.h"
 #include "hits1.h"
 #include "../base/epilogues.h"

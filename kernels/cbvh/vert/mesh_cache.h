@@ -6,7 +6,7 @@
 /* Decoded mesh blocks (cvert/format/mesh_block.h) in the cache of a thread (base/thread_cache.h). As in cache.h, a
  * block's boxes and the triangles of each half group have separate entries. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/format/mesh_block.h"
 #include "cache.h"
 

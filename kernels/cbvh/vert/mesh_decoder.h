@@ -8,7 +8,7 @@
  *
  * docs/formats/mesh_block.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
 
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../base/vectors.h"
 #include "../../cvert/format/mesh_block.h"
 #include "mesh_cache.h"

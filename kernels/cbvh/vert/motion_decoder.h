@@ -9,7 +9,7 @@
 
 #include "boxes.h"
 #include "decoder.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/decoder/step_view.h"
 
 namespace embree

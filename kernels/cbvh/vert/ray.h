@@ -10,7 +10,7 @@
 #include "cache.h"
 #include "../base/surface_ids.h"
 #include "../base/vectors.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/rule/rule.h"
 #include "../embree/ray.h"
 

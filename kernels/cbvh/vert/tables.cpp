@@ -4,7 +4,7 @@
 /* Compiled for the library's lowest instruction set, because it runs when the library is loaded. */
 
 #include "tables.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/rule/rule.h"
 
 #include <algorithm>

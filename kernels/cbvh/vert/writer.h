@@ -12,7 +12,7 @@
 #include "../base/build_statistics.h"
 #include "../surface/plan.h"
 #include "../surface/source.h"
-#include "../base/codec.h"
+#include "../base/codec_names.h"
 #include "../../cvert/encoder/motion_encoder.h"
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "../../cvert/encoder/snapped_vertices.h"

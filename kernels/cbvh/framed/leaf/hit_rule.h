@@ -53,7 +53,7 @@
 #ifndef CBVH_HIT_RULE_H
 #define CBVH_HIT_RULE_H
 
-#include "../../base/codec.h"
+#include "../../base/codec_names.h"
 
 CBVH_BEGIN
 

@@ -1,11 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Makes the names of kernels/cvert visible in embree::cbvh. CBVH_ISA is the namespace of inline code, which is compiled
- * once per ISA. CBVH_BEGIN and CBVH_END enclose headers that are C++ and GLSL (cvert/basics/language.h). */
+/* Makes the names of the codec (kernels/cvert) visible in embree::cbvh. CBVH_ISA is the inline namespace of the
+ * instruction set that a file is compiled for. CBVH_BEGIN and CBVH_END enclose code that compiles as C++ and as GLSL.
+ * cvert/basics/language.h explains why. */
 
-#ifndef CBVH_CODEC_H
-#define CBVH_CODEC_H
+#ifndef CBVH_CODEC_NAMES_H
+#define CBVH_CODEC_NAMES_H
 
 #include "../../cvert/basics/language.h"
 
@@ -23,7 +24,8 @@ namespace embree
   {
     using namespace cvert;
 
-    /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible. */
+    /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible,
+     * because it acts like declarations in the global namespace. */
     using cvert::lesser;
     using cvert::greater;
     using cvert::magnitude;
