@@ -15,9 +15,10 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains all mapped blocks, and possibly other memory; mappedBytes is 0 without a file.
-     *  Read mappedBegin before mappedBytes. Writers first extend the range to all addresses: a reader that sees values
-     *  of two ranges therefore misses no block that it can trace. */
+    /*! Range of addresses that contains the mapped blocks of all files, and possibly other memory between them.
+     *  mappedBytes is 0 if no file is mapped. Readers must load mappedBegin before mappedBytes. Writers first extend
+     *  mappedBytes to all addresses, then change mappedBegin. If a reader sees an old and a new value, its range
+     *  therefore still contains all blocks that its rays can reach. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! Returns false for a damaged block of a mapped file, and true for other memory in the range. */
