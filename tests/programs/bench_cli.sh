@@ -50,7 +50,7 @@ refuses "reference-level" --scene cube --reference-level 9
 refuses "unknown --check 'holes'" --scene cube --check leaks,holes
 refuses "check .*--motion" --scene cube --motion turn --check leaks
 refuses "position '1,2'" --scene cube --position 1,2
-refuses "max-error" --scene cube --max-error -1
+refuses "max-error-diagonals" --scene cube --max-error-diagonals -1
 refuses "size '64'" --scene cube --size 64
 refuses "paint" --scene cube --paint red
 refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$folder/quad.obj/pictures"
@@ -143,9 +143,8 @@ assert cvert["memory"]["compression"]["quads"] > 0 and cvert["speed"][0]["hits"]
   complain "a turning cube is wrong: $(cat "$folder/moving.json")"
 
 # Leaks and shadows of a closed surface that is far from the origin.
-"$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error 0.01 --position 1000,0,-50 \
-  --repeat 0 \
-  --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" \
+"$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error-diagonals 0.01 \
+  --position 1000,0,-50 --repeat 0 --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" \
   >"$folder/stdout" 2>"$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no message about leaks"

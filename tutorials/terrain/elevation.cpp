@@ -65,15 +65,12 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
   unit = unitOf(native->spec().format);
   sourceWidth = spec.width;
   sourceHeight = spec.height;
-  repeatX = settings.repeat.front();
-  repeatY = settings.repeat.back();
   if (sourceWidth < 2 || sourceHeight < 2)
     throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
                 std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
-  const double most = std::max(double(repeatX) * sourceWidth, double(repeatY) * sourceHeight);
-  if (std::min(repeatX, repeatY) < 1 || most > 1e6)
-    throw Error("--repeat " + std::to_string(repeatX) + "," + std::to_string(repeatY) +
-                ": expected copies from 1 on, and at most 1000000 samples along each side");
+  if (std::max(double(settings.repeatX) * sourceWidth, double(settings.repeatY) * sourceHeight) > 1e6)
+    throw Error("invalid --height-repeat " + std::to_string(settings.repeatX) + "x" + std::to_string(settings.repeatY) +
+                ": expected at most 1000000 samples along each side");
 }
 
 /* Repeated rasters are small and are read completely. */
