@@ -82,8 +82,8 @@ def read_arguments():
     parser.add_argument(
         "--device",
         metavar="DEVICE",
-        help="device of the sets gpu and gpu-quick: vulkan, followed by :N or :NAME to choose it by its index or a part "
-        "of its name",
+        help="device of the sets gpu and gpu-quick: vulkan, followed by :N or :NAME to choose it by its index or a "
+        "part of its name",
     )
     parser.add_argument("--fresh", action="store_true", help="measure all jobs, also those that have a record")
     parser.add_argument(

@@ -144,8 +144,8 @@ assert cvert["memory"]["compression"]["quads"] > 0 and cvert["speed"][0]["hits"]
 
 # Leaks and shadows of a closed surface that is far from the origin.
 "$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error-diagonals 0.01 \
-  --position 1000,0,-50 --repeat 0 --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" \
-  >"$folder/stdout" 2>"$folder/stderr" ||
+  --position 1000,0,-50 --repeat 0 --size 40x32 --check leaks,offsets,crossings --check-rays 20000 \
+  --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no message about leaks"
 /usr/bin/python3 -B -c '

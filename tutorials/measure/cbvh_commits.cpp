@@ -245,7 +245,8 @@ void measure(const Options& options, const std::string& accel, size_t count)
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.", "cbvh_commits");
+  CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.",
+               "cbvh_commits");
   app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
     ->delimiter(',')->capture_default_str();
   app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")

@@ -76,7 +76,7 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 /* Repeated rasters are small and are read completely. */
 void Elevation::readRows(int begin, int end)
 {
-  if (repeatX > 1 || repeatY > 1)
+  if (settings.repeatX > 1 || settings.repeatY > 1)
   {
     begin = 0;
     end = sourceHeight;
@@ -105,7 +105,7 @@ float Elevation::noiseAt(int x, int y) const
 
 std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned threads)
 {
-  const bool isRepeated = repeatX > 1 || repeatY > 1;
+  const bool isRepeated = settings.repeatX > 1 || settings.repeatY > 1;
   readRows(y0, y0 + h);
   std::vector<float> heights(size_t(w) * size_t(h));
   parallelFor(size_t(h), 16, threads, [&](size_t begin, size_t end) {
