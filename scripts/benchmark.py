@@ -190,7 +190,8 @@ def probe(bench, representation, device_option):
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "probe.json"
         words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", device_option]
-        words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0", "--maps", folder, "--json", str(record)]
+        words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0"]
+        words += ["--map-folder", folder, "--json", str(record)]
         try:
             done = subprocess.run([bench, *words], capture_output=True, text=True, timeout=300)
         except subprocess.TimeoutExpired:
@@ -288,7 +289,7 @@ def command_of(bench, job, levels, folder):
     if job.pictures:  # a folder per job: jobs may show the same scene and view in different sizes
         command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
     command += ["--json", os.path.relpath(record_of(job, levels, folder))]
-    return command + ["--maps", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
+    return command + ["--map-folder", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
 
 
 class Runner:

@@ -240,10 +240,10 @@ refuses "library A ($folder/a/libembree3.so.3) has no rtcOccluded8" --scene cube
 
 # Options of the scene: two copies have twice the faces, and a separate name.
 "$program" --scene herd --count 2 --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --maps "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" ||
   complain "herd: $(cat "$folder/stderr")"
 "$program" --scene trex --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --maps "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" ||
   complain "trex: $(cat "$folder/stderr")"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "two copies are not twice one"
 import json, sys

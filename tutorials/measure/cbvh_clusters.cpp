@@ -108,17 +108,18 @@ int run(int argc, char** argv)
                "bytes of indices per triangle (whole grids need none), and the number of clusters that are stored as "
                "floats because the format cannot hold them.", "cbvh_clusters");
   app.add_option("--scene", options.scenes, "comma-separated list of " + listOfScenes())
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--level", options.level, "tessellation level L: each face has 2^L x 2^L quads")
-    ->capture_default_str();
+    ->type_name("L")->capture_default_str();
   app.add_option("--max-error", options.maxError,
-                 "largest spacing of the lattice, 0 for lossless [the library's default]");
+                 "largest spacing of the lattice, 0 for lossless [the library's default]")
+    ->type_name("E");
   app.add_option_function<std::string>(
        "--position", [&](const std::string& text) { options.position = parsePosition(text); },
        "position to which scenes are moved: x,y,z")
     ->type_name("P");
   app.add_option("--scale", options.scale, "factor of the cage before it is moved; the displacement is not scaled")
-    ->capture_default_str();
+    ->type_name("S")->capture_default_str();
   app.add_flag("--verify", options.verify,
                "decode all clusters by their specifications, and compare triangles and vertices with hits of rays");
   addMapOptions(app, options.cage);

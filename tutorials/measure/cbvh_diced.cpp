@@ -86,7 +86,7 @@ int run(int argc, char** argv)
   app.add_option("--input", options.inputs,
                  "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads and triangles in "
                  "the order of OpenSubdiv's refinement, the last two also with :rows or :shuffled")
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_flag("--compact", options.compact,
                "compare with Embree's compact mode (RTC_SCENE_FLAG_COMPACT): less memory, slower rays");
   if (!parseCommandLine(app, argc, argv))

@@ -150,9 +150,10 @@ int run(int argc, char** argv)
                "cbvh_motion");
   options.compared.addOptions(app);
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
-    ->delimiter(',')->capture_default_str();
-  app.add_option("--steps", options.steps, "number of time steps")->capture_default_str();
-  app.add_option("--degrees", options.degrees, "angle from the first time step to the last")->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
+  app.add_option("--steps", options.steps, "number of time steps")->type_name("N")->capture_default_str();
+  app.add_option("--degrees", options.degrees, "angle from the first time step to the last")
+    ->type_name("ANGLE")->capture_default_str();
   app.add_flag("--static", options.staticSurface,
                "measure instead the relative speed of rays of a static surface if something else in its scene moves");
   if (!parseCommandLine(app, argc, argv))

@@ -369,20 +369,22 @@ int run(int argc, char** argv)
   app.add_option("--source", options.sources,
       "comma-separated list: terrain, a raster with cells of 2 m; national, a raster with cells of 1 m at "
       "(4.5e6, 5.4e6); scan, a noisy depth image; model, a diced --scene; cage, a --scene")
-      ->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))
+      ->capture_default_str();
   app.add_option("--input", options.inputs,
       "comma-separated list of geometry types for diced sources: grids, quads, triangles; "
       "models have no grids")
-      ->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
-      ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
-  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
+  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")
+      ->type_name("NAME")->capture_default_str();
   app.add_option("--divisor", options.divisors,
       "comma-separated list of N: bounds on the movement of vertices to measure besides the default and lossless, 1/N "
       "of the median edge each (default: 36; cages: 512)")
-      ->delimiter(',')->check(CLI::Range(1, 1 << 20));
+      ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 1 << 20));
   app.add_option("--quads-per-side", options.sheetQuads, "quads per side of terrains and scans")
-      ->check(CLI::Range(16, 30000))->capture_default_str();
+      ->type_name("N")->check(CLI::Range(16, 30000))->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
     return 0;
   options.compared.validate();
