@@ -53,7 +53,12 @@ def read_arguments():
     )
     names = f"{', '.join(sets.NAMES[:-1])} or {sets.NAMES[-1]}"
     parser.add_argument("set", nargs="?", default="quick", metavar="SET", help=f"{names} (default: quick)")
-    parser.add_argument("--scene", action="append", metavar="NAME", help="only jobs with this scene; may be repeated")
+    parser.add_argument(
+        "--scene",
+        type=lambda text: text.split(","),
+        metavar="LIST",
+        help="only jobs with a scene in this comma-separated list",
+    )
     parser.add_argument(
         "--job",
         action="append",
@@ -72,10 +77,13 @@ def read_arguments():
         "--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)"
     )
     parser.add_argument(
-        "--bench", metavar="FILE", help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)"
+        "--bench", metavar="PROGRAM", help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)"
     )
     parser.add_argument(
-        "--device", metavar="NAME", help="Vulkan device of the sets gpu and gpu-quick: its index or a part of its name"
+        "--device",
+        metavar="DEVICE",
+        help="device of the sets gpu and gpu-quick: vulkan, followed by :N or :NAME to choose it by its index or a "
+        "part of its name",
     )
     parser.add_argument("--fresh", action="store_true", help="measure all jobs, also those that have a record")
     parser.add_argument(
@@ -167,10 +175,12 @@ def choose_jobs(options, build):
             print(f"left out: {job.name} ({job.figures}), as this build has no scene '{base_name(job.scene)}'")
     jobs = [job for job in jobs if base_name(job.scene) in build["scenes"]]
     if options.device:
+        if options.device.split(":")[0] != "vulkan":
+            raise Failure(f"unknown --device '{options.device}': expected vulkan, vulkan:N or vulkan:NAME")
         if not any(job.needs_vulkan for job in jobs):
             raise Failure(f"--device: nothing of the set '{options.set}' needs a Vulkan device")
         for job in jobs:
-            job.options = job.options.replace("--device vulkan", "--device " + shlex.quote("vulkan:" + options.device))
+            job.options = job.options.replace("--device vulkan", "--device " + shlex.quote(options.device))
     return jobs
 
 
@@ -180,7 +190,8 @@ def probe(bench, representation, device_option):
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "probe.json"
         words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", device_option]
-        words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0", "--maps", folder, "--json", str(record)]
+        words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0"]
+        words += ["--map-folder", folder, "--json", str(record)]
         try:
             done = subprocess.run([bench, *words], capture_output=True, text=True, timeout=300)
         except subprocess.TimeoutExpired:
@@ -192,12 +203,12 @@ def probe(bench, representation, device_option):
 
 
 def supported_jobs(jobs, bench, named):
-    """Returns the jobs that the Vulkan device supports, and its name. named: the device that the user
-    requires, if any."""
+    """Returns the jobs that the Vulkan device supports, and its name. named: the value of --device, if
+    any."""
     vulkan_jobs = [job.name for job in jobs if job.needs_vulkan]
     if not vulkan_jobs:
         return jobs, ""
-    device_option = "vulkan" + (f":{named}" if named else "")
+    device_option = named or "vulkan"
     device, problem = probe(bench, "cvert", device_option)
     if "shaderFloat64" in problem:
         print(f"left out: cVERT on the Vulkan device: {problem}")
@@ -278,7 +289,7 @@ def command_of(bench, job, levels, folder):
     if job.pictures:  # a folder per job: jobs may show the same scene and view in different sizes
         command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
     command += ["--json", os.path.relpath(record_of(job, levels, folder))]
-    return command + ["--maps", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
+    return command + ["--map-folder", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
 
 
 class Runner:

@@ -68,7 +68,7 @@ def checks(scenes, level, rays, what, seconds):
 def hard_checks(rays):
     """All levels, frame levels that differ between faces, and positions far from the origin."""
     options = f"--view full --size 64x64 --repeat 0 --true-surface 0 --check leaks --check-rays {rays}"
-    mixed = "cgrid^2,cvoxel^auto,cleaf-only^2,cleaf-only^auto,cvert --max-error 0.002"
+    mixed = "cgrid^2,cvoxel^auto,cleaf-only^2,cleaf-only^auto,cvert --max-error-diagonals 0.002"
     return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}",
                 200),
             Job("checks_far", "leaks, far away", "cube", [3, 4, 5],

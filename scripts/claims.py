@@ -6,7 +6,7 @@
 pixels differ in cVERT (docs/accuracy.md).
 
     scripts/claims.py                            all scenes: some minutes on two cores, and 7 GB for the largest NAIVE
-    scripts/claims.py --scene cube rough         only these; rough is trex with five times the displacement
+    scripts/claims.py --scene cube,rough         only these; rough is trex with five times the displacement
     scripts/claims.py --cage body.obj --height skin.png    a cage of your own
 
 A pixel differs if one of its colors differs from GRID's by more than 5% (or 25%) of white, in shaded pictures at level
@@ -103,16 +103,18 @@ def main():
     )
     parser.add_argument(
         "--scene",
-        nargs="+",
-        metavar="NAME",
-        choices=sorted(MODELS),
-        default=list(MODELS),
-        help=f"scenes to measure: {', '.join(sorted(MODELS))} (default: all)",
+        metavar="LIST",
+        default=",".join(MODELS),
+        help=f"comma-separated list of scenes to measure: {', '.join(sorted(MODELS))} (default: all)",
     )
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage (default: none)")
     options = parser.parse_args()
-    models = {name: MODELS[name] for name in options.scene}
+    scenes = options.scene.split(",")
+    for name in scenes:
+        if name not in MODELS:
+            parser.error(f"unknown scene '{name}': expected {', '.join(sorted(MODELS))}")
+    models = {name: MODELS[name] for name in scenes}
     if options.cage:
         models = {
             Path(options.cage).stem: ["--cage", options.cage, *(["--height", options.height] if options.height else [])]

@@ -4,7 +4,7 @@
 
 """Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
 
-    scripts/measure_blender.py [--rounds N]     requires Debian 12's `blender` and a release build; takes some minutes
+    scripts/measure_blender.py [--repeat N]     requires Debian 12's `blender` and a release build; takes some minutes
     scripts/measure_blender.py --interposer LIBRARY    for a Blender on Embree 4, as Debian 13's; README.md stays as is
 
 Renders scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
@@ -61,7 +61,7 @@ def different_pixels(one, other):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=3, metavar="N", help="renderings with each library (default: 3)")
+    parser.add_argument("--repeat", type=int, default=3, metavar="N", help="renderings with each library (default: 3)")
     parser.add_argument(
         "--library",
         type=Path,
@@ -91,7 +91,7 @@ def main():
         subprocess.run(
             ["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True
         )
-        for _ in range(options.rounds):
+        for _ in range(options.repeat):
             for name, settings, more in (("stock", {}, []), ("ours", our_settings, preloaded)):
                 measured[name].append(render([probe, *more], folder / f"{name}.png", settings))
                 print(name, measured[name][-1], flush=True)

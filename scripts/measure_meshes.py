@@ -5,7 +5,7 @@
 """Measures irregular meshes from packages and generated ones for docs/meshes.md: memory, builds, rays, and how far
 vertices move, by default and lossless, compared with Embree's default and compact modes. Prints a table in Markdown.
 
-    scripts/measure_meshes.py PATH/TO/cbvh_render FOLDER [--mesh NAME,...] [--json FILE]
+    scripts/measure_meshes.py PATH/TO/cbvh_render FOLDER [--only LIST] [--json FILE]
 
 The folder receives packages (by apt-get download and npm pack) and meshes (as OBJ), and is reused. Requires Debian's
 python3-matplotlib and npm. Bytes are per triangle and exclude the application's vertices and indices.
@@ -114,10 +114,10 @@ def main():
     parser.add_argument("program", type=Path, help="cbvh_render")
     parser.add_argument("folder", type=Path, help="folder of packages and meshes")
     parser.add_argument(
-        "--mesh",
+        "--only",
         default=",".join(MESHES).replace(", ", " "),
-        metavar="NAME,...",
-        help="meshes to measure, by the names in the table; leave out commas that are part of a name (default: all)",
+        metavar="LIST",
+        help="measure only these meshes, by their names in the table without commas (default: all)",
     )
     parser.add_argument("--size", default="512x512", metavar="WxH", help="size of the picture (default: 512x512)")
     parser.add_argument("--rays", type=int, default=0, metavar="N", help="rays in each set (default: one per pixel)")
@@ -129,7 +129,7 @@ def main():
     options.folder = options.folder.resolve()
     options.folder.mkdir(parents=True, exist_ok=True)
     known = {name.replace(", ", " "): name for name in MESHES}
-    wanted = options.mesh.split(",")
+    wanted = options.only.split(",")
     if unknown := [name for name in wanted if name not in known]:
         parser.error(f"unknown mesh '{unknown[0]}': expected some of {', '.join(known)}")
     print("| " + " | ".join(COLUMNS) + " |\n|:--" + "|--:" * (len(COLUMNS) - 1) + "|")

@@ -178,7 +178,7 @@ def measure_herd(program, folder, options):
 
 def measure_levels(program, folder, options):
     rows = []
-    for scene in options.scenes.split(","):
+    for scene in options.scene.split(","):
         for view in ("full", "close"):
             for level in LEVELS:
                 run = Run([program, "--scene", scene, "--level", level, "--view", view, "--representation", "cvert",
@@ -227,10 +227,10 @@ def main():
         help="memory that the builds of representations may use (default: 0.8 of the machine's memory)",
     )
     parser.add_argument(
-        "--scenes",
+        "--scene",
         default="trex,frog,knee",
-        metavar="NAME,...",
-        help="scenes for the comparison of levels (default: trex,frog,knee)",
+        metavar="LIST",
+        help="comma-separated list of scenes for the comparison of levels (default: trex,frog,knee)",
     )
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
     options = parser.parse_args()

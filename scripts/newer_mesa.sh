@@ -6,7 +6,7 @@
 # the value for VK_DRIVER_FILES, for example
 #
 #   export VK_DRIVER_FILES=$(scripts/newer_mesa.sh build/mesa)
-#   build/release/tutorials/pathtracer/cbvh_pathtracer --scene cube --device vulkan --ray-query
+#   build/release/tutorials/pathtracer/cbvh_pathtracer --scene cube --device ray-query
 #
 # Requires the package registry of a Debian 12, an installed mesa-vulkan-drivers, and 60 MB of disk.
 #

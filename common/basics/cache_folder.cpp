@@ -22,7 +22,7 @@ std::string userCacheFolder()
     const std::filesystem::path home = variable("HOME");
     if (!home.is_absolute())
       throw Error("cannot locate the cache folder: neither XDG_CACHE_HOME nor HOME is an absolute path; set one of "
-                  "them, or pass " + settingName("maps") + " DIR");
+                  "them, or pass " + settingName("map-folder") + " DIR");
     caches = home / ".cache";
   }
   return (caches / "embree-cbvh").string();

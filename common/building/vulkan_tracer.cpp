@@ -20,6 +20,14 @@ const std::string rayQueryName = "ray-query";
 
 } // namespace
 
+VulkanDeviceName::VulkanDeviceName(const std::string& name)
+  : byRayQuery(name.compare(0, rayQueryName.size(), rayQueryName) == 0)
+{
+  const size_t colon = name.find(':');
+  if (colon != std::string::npos)
+    selector = name.substr(colon + 1);
+}
+
 void validateTraceDevice(const std::string& name)
 {
   if (name == "cpu")
@@ -66,8 +74,7 @@ std::shared_ptr<OpenDevice> openDevice(const std::string& name)
 {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<OpenDevice>> devices;
-  const size_t colon = name.find(':');
-  const std::string selector = colon == std::string::npos ? "" : name.substr(colon + 1);
+  const std::string selector = VulkanDeviceName(name).selector;
   const std::lock_guard<std::mutex> lock(mutex);
   std::shared_ptr<OpenDevice> device = devices[selector].lock();
   if (!device)
@@ -82,7 +89,7 @@ public:
   {
     const auto start = std::chrono::steady_clock::now();
     RTCVulkanSceneArguments args = {};
-    if (name.compare(0, rayQueryName.size(), rayQueryName) == 0)
+    if (VulkanDeviceName(name).byRayQuery)
       args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
     scene = rtcNewVulkanScene(device->device, from, &args);
     device->errors.check("uploading a scene to a Vulkan device");

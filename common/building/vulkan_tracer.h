@@ -35,6 +35,15 @@ public:
   virtual double timeOccluded(RTCRay* rays, size_t n) const = 0;
 };
 
+/* The parts of a name as in VulkanTracer::create. */
+struct VulkanDeviceName
+{
+  explicit VulkanDeviceName(const std::string& name);
+
+  bool byRayQuery;
+  std::string selector; // index or a part of the device's name, for rtcNewVulkanDevice; empty for the first device
+};
+
 /* `device` is "cpu" or a name as in VulkanTracer::create. Throws Error. */
 std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scene);
 

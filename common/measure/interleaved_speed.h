@@ -8,6 +8,7 @@
 #include "measure/quantiles.h"
 #include "surface/model.h"
 #include "tracing/camera.h"
+#include "tracing/image_size.h"
 #include "tracing/ray_conversion.h"
 #include "tracing/ray_sets.h"
 
@@ -63,8 +64,8 @@ inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOME
 /* Primary rays in rows and in tiles, and rays that bounce off their hits. Times are random in [0,1), or 0. */
 struct PictureRays
 {
-  PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes)
-    : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
+  PictureRays(const Model& model, RTCScene scene, ImageSize size, bool atRandomTimes)
+    : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, size))
   {
     const std::vector<Ray> rays = primaryRays(camera);
     primary = loaded(rays, atRandomTimes, 1);

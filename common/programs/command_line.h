@@ -77,11 +77,12 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   return true;
 }
 
-inline void addDeviceOption(CLI::App& app, std::string& device)
+/* `more` describes further values of the program, and ends with "; ". */
+inline void addDeviceOption(CLI::App& app, std::string& device, const std::string& more = "")
 {
   app.add_option("--device", device,
-                 "device that traces: cpu, vulkan, or ray-query for the ray queries of a Vulkan driver; append :N or "
-                 ":NAME to choose a Vulkan device by its index or a part of its name")
+                 "device that traces: " + more + "cpu, vulkan, or ray-query for the ray queries of a Vulkan driver; "
+                 "append :N or :NAME to choose a Vulkan device by its index or a part of its name")
     ->type_name("DEVICE")->capture_default_str();
 }
 

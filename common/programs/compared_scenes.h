@@ -5,8 +5,12 @@
 
 /* Options of programs that compare two ways to store a scene. */
 
+#include "building/built_scene.h"
+#include "programs/command_line.h"
 #include "programs/surface_options.h"
+#include "programs/view_options.h"
 #include "scenes/catalogue.h"
+#include "tracing/image_size.h"
 
 #include <CLI/CLI.hpp>
 
@@ -22,22 +26,32 @@ struct ComparedScenes
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
   unsigned repeat = 5;
-  int side = 512; // of the square picture, in pixels
+  ImageSize size{512, 512}; // of the picture
   std::string isa;
 
-  /* `cageOption` is the option for a cage, "--cage"; a comma separates several names. */
-  void addOptions(CLI::App& app, const std::string& cageOption)
+  void addOptions(CLI::App& app)
   {
     app.add_option("--scene", scenes, "comma-separated list of " + listOfScenes())
-      ->delimiter(',')->capture_default_str();
-    app.add_option("--level", level, "tessellation level L: each face has 2^L x 2^L quads")->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->capture_default_str();
+    app.add_option("--level", level, "tessellation level L: each face has 2^L x 2^L quads")
+      ->type_name("L")->capture_default_str();
     app.add_option("--repeat", repeat, "number of runs, whose median is reported")
-      ->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_option("--size", side, "width and height in pixels of the picture whose rays are traced")
-      ->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_option("--isa", isa, "widest instruction set to use, by Embree's name [the host's best]");
+      ->type_name("N")->check(CLI::PositiveNumber)->capture_default_str();
+    app.add_option_function<std::string>("--size", [this](const std::string& text) { size = parseImageSize(text); },
+                                         "size of the picture whose rays are traced")
+      ->type_name("WxH")->default_str("512x512");
+    addIsaOption(app, isa);
     addMapOptions(app, cage);
-    app.add_option(cageOption, cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
+    app.add_option("--cage", cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
+  }
+
+  /* Throws Error. */
+  void validate() const
+  {
+    BuildSettings settings;
+    settings.level = level;
+    settings.isa = isa;
+    validateBuild(settings);
   }
 
   /* Prints warnings. Throws Error. */

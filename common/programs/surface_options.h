@@ -89,7 +89,7 @@ inline void rejectModelOptions(const CLI::App& app, const std::string& path)
   for (const char* name :
        {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height",
         "--amplitude", "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--compare",
-        "--details", "--rough", "--mapping", "--count", "--cage-end", "--motion", "--steps", "--maps"})
+        "--details", "--rough", "--mapping", "--count", "--cage-end", "--motion", "--steps", "--map-folder"})
   {
     const CLI::Option* const option = app.get_option_no_throw(name);
     if (option && option->count())
@@ -136,7 +136,8 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
                  "instead of --cage-end: turn, bend, twist or walk while the shutter is open")
     ->type_name("NAME");
   app.add_option("--steps", settings.steps, "number of time steps of --motion, 2 to 129 [2]")->type_name("N");
-  app.add_option("--maps", settings.mapFolder, "folder for height maps of generated scenes [the user's cache folder]")
+  app.add_option("--map-folder", settings.mapFolder,
+                 "folder for height maps of generated scenes [the user's cache folder]")
     ->type_name("DIR");
 }
 

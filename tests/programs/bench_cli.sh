@@ -50,7 +50,7 @@ refuses "reference-level" --scene cube --reference-level 9
 refuses "unknown --check 'holes'" --scene cube --check leaks,holes
 refuses "check .*--motion" --scene cube --motion turn --check leaks
 refuses "position '1,2'" --scene cube --position 1,2
-refuses "max-error" --scene cube --max-error -1
+refuses "max-error-diagonals" --scene cube --max-error-diagonals -1
 refuses "size '64'" --scene cube --size 64
 refuses "paint" --scene cube --paint red
 refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$folder/quad.obj/pictures"
@@ -143,10 +143,9 @@ assert cvert["memory"]["compression"]["quads"] > 0 and cvert["speed"][0]["hits"]
   complain "a turning cube is wrong: $(cat "$folder/moving.json")"
 
 # Leaks and shadows of a closed surface that is far from the origin.
-"$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error 0.01 --position 1000,0,-50 \
-  --repeat 0 \
-  --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" \
-  >"$folder/stdout" 2>"$folder/stderr" ||
+"$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error-diagonals 0.01 \
+  --position 1000,0,-50 --repeat 0 --size 40x32 --check leaks,offsets,crossings --check-rays 20000 \
+  --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no message about leaks"
 /usr/bin/python3 -B -c '
@@ -241,10 +240,10 @@ refuses "library A ($folder/a/libembree3.so.3) has no rtcOccluded8" --scene cube
 
 # Options of the scene: two copies have twice the faces, and a separate name.
 "$program" --scene herd --count 2 --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --maps "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" ||
   complain "herd: $(cat "$folder/stderr")"
 "$program" --scene trex --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --maps "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" ||
   complain "trex: $(cat "$folder/stderr")"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "two copies are not twice one"
 import json, sys

@@ -201,6 +201,7 @@ class Benchmark(unittest.TestCase):
             (["--cage", "missing.obj"], "missing.obj: no such file"),
             (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
             (["--height", "x.exr"], "--height belongs to --cage"),
+            (["gpu", "--device", "nvidia"], "unknown --device 'nvidia'"),
             (["--bench", "nothing"], "no such program"),
         ):
             command = self.command() + words if "--bench" in words else self.command(*words)
@@ -293,7 +294,7 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(self.calls(), ["cube 1 vulkan", "cube 4,5 vulkan", "cube 4,5"], "a probe, a device, a thread")
         self.run_script("gpu-quick", "--scene", "cube")
         self.assertEqual(self.calls(), ["cube 1 vulkan"], "all records exist")
-        named = self.run_script("gpu-quick", "--scene", "cube", "--device", "one 1", "--fresh")
+        named = self.run_script("gpu-quick", "--scene", "cube", "--device", "vulkan:one 1", "--fresh")
         self.assertEqual(named.returncode, 0, named.stdout + named.stderr)
         self.assertEqual(self.calls(), ["cube 1 vulkan:one 1", "cube 4,5 vulkan:one 1", "cube 4,5"])
 
@@ -319,9 +320,10 @@ class Benchmark(unittest.TestCase):
         calls = self.calls()
         self.assertEqual([call for call in calls if "vulkan" in call], ["cube 1 vulkan"])
         self.assertIn("cube:0.45 6", calls)
-        named = self.run_script("gpu", "--device", "nvidia")
-        self.assertEqual((named.returncode, named.stderr), (1, "benchmark.py: --device nvidia: Vulkan has no driver\n"))
-        other = self.run_script("quick", "--device", "nvidia")
+        named = self.run_script("gpu", "--device", "vulkan:nvidia")
+        self.assertEqual(named.returncode, 1)
+        self.assertEqual(named.stderr, "benchmark.py: --device vulkan:nvidia: Vulkan has no driver\n")
+        other = self.run_script("quick", "--device", "vulkan:nvidia")
         self.assertEqual((other.returncode, other.stderr.count("\n")), (1, 1))
 
     def test_gpu_without_doubles_is_measured_without_cvert(self):

@@ -74,7 +74,7 @@ for arguments in "--load $folder/fifo.cbvh" "$folder/fifo.cbvh"; do
   is_about_a_pipe || complain "no message about a FIFO: $(cat "$folder/stderr")"
 done
 if [ -n "$viewer" ]; then
-  timeout 30 "$viewer" "$folder/fifo.cbvh" --screenshot "$folder/none.png" >/dev/null 2>"$folder/stderr"
+  timeout 30 "$viewer" "$folder/fifo.cbvh" --no-window --output "$folder/none.png" >/dev/null 2>"$folder/stderr"
   [ $? = 1 ] && is_about_a_pipe || complain "the viewer blocks on a FIFO: $(cat "$folder/stderr")"
 fi
 rm "$folder/fifo.cbvh"
@@ -118,7 +118,7 @@ fi
 if [ -n "$viewer" ]; then
   program=$viewer
   # shellcheck disable=SC2086
-  expect_refusal "screenshot .*would replace" $model --screenshot "$folder/skin.pgm"
+  expect_refusal "output .*would replace" $model --no-window --output "$folder/skin.pgm"
 fi
 [ "$(sums)" = "$before" ] || complain "an input has changed"
 [ -z "$(parts)" ] || complain "parts are left: $(parts)"

@@ -35,7 +35,9 @@ refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "paint" --scene cube --paint red
 refuses "out.jpeg'.*exr.*png" --scene cube --output "$folder/out.jpeg"
 refuses "there is no folder $folder/missing" --scene cube --output "$folder/missing/out.png"
-refuses "[Vv]ulkan" --scene cube --level 2 --device "no such device"
+refuses "unknown --device 'no such device'.*ray-query" --scene cube --level 2 --device "no such device"
+refuses "[Vv]ulkan" --scene cube --level 2 --device "vulkan:no such device"
+refuses "[Vv]ulkan" --scene cube --level 2 --device "ray-query:no such device"
 refuses "^cbvh_pathtracer: .*window" --scene cube --window
 
 # On the CPU, which every machine supports.

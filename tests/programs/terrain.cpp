@@ -57,7 +57,7 @@ protected:
   Picture run(const std::string& arguments, const std::string& extension = ".tif")
   {
     const std::string path = folder + "/factors" + std::to_string(files++) + extension;
-    const std::string command = std::string(PROGRAM) + " " + arguments + " -o " + path;
+    const std::string command = std::string(PROGRAM) + " " + arguments + " --output " + path;
     Picture picture;
     EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0) << command
         << "\n" << textOf("/stderr");
@@ -80,7 +80,7 @@ protected:
 
   void expectRefusal(const std::string& arguments, const std::string& text)
   {
-    const int status = std::system((std::string(PROGRAM) + " " + arguments + " -o " + folder
+    const int status = std::system((std::string(PROGRAM) + " " + arguments + " --output " + folder
         + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
     EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
@@ -122,7 +122,7 @@ TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
     const auto heightAt = [=](int x, int y) {
       return std::hypot(x - middle, y - middle) < radius ? 1000 : 1000 + depth * cell;
     };
-    const std::string options = " --azimuths 32 --tile 33 --window 100,100,101,101 --cell " + std::to_string(cell);
+    const std::string options = " --azimuths 32 --tile 33 --crop 100,100,101,101 --cell " + std::to_string(cell);
     const Picture ofUnsigned = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 201, 201, heightAt) + options);
     const std::string path = write<int16_t>(OIIO::TypeDesc::INT16, 201, 201,
         [=](int x, int y) { return heightAt(x, y) - 2000; });
@@ -158,7 +158,7 @@ TEST_F(Terrain, CopiesAreMirrored)
     return 20 * std::sin(0.21 * x) + 5 * std::sin(0.9 * x) + 11 * std::cos(0.4 * y);
   };
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt)
-      + " --cell 3 --azimuths 8 --max-error 0.001 --repeat 2,3";
+      + " --cell 3 --azimuths 8 --max-error 0.001 --height-repeat 2x3";
   const Picture plain = run(path + " --noise-height 0"), noisy = run(path);
   ASSERT_EQ(plain.width, 81);
   ASSERT_EQ(plain.height, 91);
@@ -183,12 +183,20 @@ TEST_F(Terrain, MissingSamplesAreHoles)
       ASSERT_EQ(std::isnan(picture.at(x, y)), (x == 20 && y > 10) || y == 3) << x << ", " << y;
 }
 
+TEST_F(Terrain, LosslessVerticesDoNotMove)
+{
+  run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills) + " --azimuths 4 --max-error 0");
+  EXPECT_NE(textOf("/stdout").find("a vertex moved: 0\n"), std::string::npos) << textOf("/stdout");
+}
+
 TEST_F(Terrain, InvalidArgumentsAreRejected)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
-  expectRefusal(path + " --window 0,0,22,21", "0,0,21,21");
+  expectRefusal(path + " --crop 0,0,22,21", "0,0,21,21");
   expectRefusal(path + " --cell 0", "--cell 0");
-  expectRefusal(path + " --repeat 0", "--repeat 0,0");
+  expectRefusal(path + " --height-repeat 0", "--height-repeat '0'");
+  expectRefusal(path + " --height-repeat 1.5", "--height-repeat '1.5'");
+  expectRefusal(path + " --height-repeat 1x100000", "--height-repeat 1x100000");
   expectRefusal(path + " --embree nothing", "--embree");
   expectRefusal(folder + "/missing.tif", "missing.tif");
   expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 1, 21, hills), "1 x 21");

@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Tests cbvh_viewer without a display: screenshots, and for invalid input one clear line, a nonzero exit status and no
+# Tests cbvh_viewer without a display: its pictures, and for invalid input one clear line, a nonzero exit status and no
 # output file.
 #
 # usage: viewer_cli.sh PATH/TO/cbvh_viewer PATH/TO/cbvh_render
@@ -18,8 +18,8 @@ refuses() {
   local pattern=$1
   shift
   rm -f "$folder/out.png"
-  [[ "$*" == *--screenshot* ]] || set -- "$@" --screenshot "$folder/out.png"
-  expect_refusal "$pattern" "$@"
+  [[ "$*" == *--output* ]] || set -- "$@" --output "$folder/out.png"
+  expect_refusal "$pattern" --no-window "$@"
   [ ! -e "$folder/out.png" ] || complain "a file was written: $*"
 }
 
@@ -35,7 +35,7 @@ refuses "quad.cbvh: .*opened alone" --scene cube "$folder/quad.cbvh"
 echo "no surfaces" > "$folder/text.cbvh"
 refuses "text.cbvh.*not a file of compressed surfaces" "$folder/text.cbvh"
 refuses "text.cbvh: .*no model for --level" "$folder/text.cbvh" --level 3
-refuses "mode blocks needs a model" "$folder/text.cbvh" --mode blocks
+refuses "show blocks needs a model" "$folder/text.cbvh" --show blocks
 refuses "quad.obj: --scene or --cage names another model" --scene cube "$folder/quad.obj"
 refuses "heights.png: --height names another height map" "$folder/quad.obj" "$folder/heights.png" \
   --height "$folder/heights.png"
@@ -43,7 +43,7 @@ refuses "unknown representation 'mesh'" --scene cube --representation mesh
 refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
 refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
-refuses "unknown --mode 'pretty'" --scene cube --mode pretty
+refuses "unknown --show 'pretty'" --scene cube --show pretty
 refuses "level 9 is out of range" --scene cube --level 9
 refuses "frame level '9'" --scene cube --frame-level 9
 refuses "size '16'" --scene cube --size 16
@@ -53,8 +53,8 @@ refuses "threads -1 is negative" --scene cube --threads -1
 refuses "samples" --scene cube --samples 0
 refuses "time" --scene cube --motion turn --time 2
 refuses "paint" --scene cube --paint red
-refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
-refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
+refuses "$folder/missing/out.png" --scene cube --level 2 --output "$folder/missing/out.png"
+refuses "$folder/out.txt" --scene cube --level 2 --output "$folder/out.txt"
 
 "$program" --scene cube --level 2 >/dev/null 2>"$folder/stderr"
 status=$?
@@ -63,8 +63,8 @@ grep -q "^cbvh_viewer: cannot open a window" "$folder/stderr" || complain "witho
 
 for mode in shading normals error cells blocks; do
   for representation in naive naive-compact grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
-    "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation $representation \
-      --screenshot "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
+    "$program" --scene cube --level 3 --size 65x47 --show $mode --representation $representation \
+      --no-window --output "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
       complain "$mode, $representation: $(cat "$folder/stderr")"
     [ "$(head -c 12 "$folder/$mode-${representation//,/-}.ppm" | tr '\n' ' ')" = "P6 65 47 255" ] ||
       complain "$mode, $representation: no picture of 65 x 47"
@@ -75,10 +75,10 @@ done
   --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "cube.cbvh is not written"
 for mode in shading normals; do
   for view in "full --time 0.5" "3,2,4,0,0,0,40"; do
-    "$program" --scene cube --level 3 --motion turn --size 65x47 --mode $mode --view $view \
-      --screenshot "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
-    "$program" "$folder/cube.cbvh" --size 65x47 --mode $mode --view $view --screenshot "$folder/opened.ppm" \
-      2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
+    "$program" --scene cube --level 3 --motion turn --size 65x47 --show $mode --view $view \
+      --no-window --output "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
+    "$program" "$folder/cube.cbvh" --size 65x47 --show $mode --view $view --no-window \
+      --output "$folder/opened.ppm" 2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
     [ "$view" = "full --time 0.5" ] || cmp "$folder/built.ppm" "$folder/opened.ppm" ||
       complain "a different picture from a file, $mode"
     [ "$(tail -c $((65 * 47 * 3)) "$folder/opened.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)" -gt 50 ] ||
@@ -89,12 +89,14 @@ done
 # Generated maps are stored in the user's cache, not in the working directory.
 mkdir "$folder/work"
 (cd "$folder/work" &&
-  "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/trex.ppm" 2>"$folder/stderr") ||
+  "$program" --scene trex --mapping atlas --level 0 --size 64x64 --no-window --output "$folder/trex.ppm" \
+    2>"$folder/stderr") ||
   complain "trex: $(cat "$folder/stderr")"
 [ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] ||
   complain "no map in the user's cache: $(ls -R "$folder/cache")"
 [ -z "$(ls -A "$folder/work")" ] || complain "left in the working directory: $(ls -A "$folder/work")"
-"$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/again.ppm" 2>"$folder/stderr"
+"$program" --scene trex --mapping atlas --level 0 --size 64x64 --no-window --output "$folder/again.ppm" \
+  2>"$folder/stderr"
 cmp "$folder/trex.ppm" "$folder/again.ppm" || complain "a different picture with the map from the cache"
 grep -q "trex: skin" "$folder/stderr" && complain "the map in the cache is not used"
 XDG_CACHE_HOME=/dev/null refuses "/dev/null/embree-cbvh" --scene trex --level 0
@@ -105,8 +107,8 @@ colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 
 
 # Samples smooth only shaded pictures; errors and positions have no mean.
 for mode in shading normals error cells blocks; do
-  "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation cleaf^auto,cvoxel^8 --samples 1 \
-    --screenshot "$folder/once.ppm" 2>/dev/null
+  "$program" --scene cube --level 3 --size 65x47 --show $mode --representation cleaf^auto,cvoxel^8 --samples 1 \
+    --no-window --output "$folder/once.ppm" 2>/dev/null
   if [ $mode = shading ]; then
     cmp -s "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" &&
       complain "one sample and sixteen give the same picture"
@@ -118,7 +120,7 @@ done
 # The picture equals cbvh_render's with the same number of samples.
 for samples in 1 5 16; do
   "$program" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples \
-    --screenshot "$folder/ours.png" 2>/dev/null
+    --no-window --output "$folder/ours.png" 2>/dev/null
   "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" \
     >/dev/null 2>&1
   cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" ||
@@ -127,8 +129,8 @@ done
 
 # The same at later times of a motion.
 for time in 0 0.5; do
-  "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --screenshot "$folder/at$time.png" \
-    2>/dev/null
+  "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --no-window \
+    --output "$folder/at$time.png" 2>/dev/null
   "$render" --scene cube --motion turn --level 4 --size 200x100 --representation cvert --shutter $time,$time \
     --output "$folder/theirs" >/dev/null 2>&1
   cmp "$folder/at$time.png" "$folder/theirs/cube_cvert.png" ||
@@ -138,8 +140,8 @@ cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not rota
 
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
-  "$program" --scene cube --level 4 --size 200x100 --threads $threads --screenshot "$folder/threads$threads.ppm" \
-    2>/dev/null
+  "$program" --scene cube --level 4 --size 200x100 --threads $threads --no-window \
+    --output "$folder/threads$threads.ppm" 2>/dev/null
 done
 cmp "$folder/threads1.ppm" "$folder/threads2.ppm" || complain "threads change the picture"
 
@@ -151,7 +153,7 @@ awk 'BEGIN { n = 64
   >"$folder/plane.obj"
 # GRID is built first, for the camera.
 expect_cancellation "grep -q 'GRID: build' '$folder/stderr'" --cage "$folder/plane.obj" --level 8 \
-  --screenshot "$folder/out.png"
+  --no-window --output "$folder/out.png"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
 finish

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests cbvh_viewer in a real window: it starts, keys and mouse have their effects, dropped files are opened,
 obsolete work
-stops, and the window shows and saves exactly the picture that --screenshot writes.
+stops, and the window shows and saves exactly the picture that --no-window writes.
 
     viewer_window.py PATH/TO/cbvh_viewer PATH/TO/cbvh_render
 """
@@ -50,12 +50,12 @@ def test_switching(session):
     finer = session.screenshot("finer", "--level", "5", "--representation", "cleaf^0")
     voxel = session.screenshot("voxel", "--level", "5", "--representation", "cvoxel")
     split = session.screenshot("split", "--level", "5", "--representation", "cleaf^0,cvoxel")
-    normals = session.screenshot("normals", "--level", "5", "--representation", "cleaf^0,cvoxel", "--mode", "normals")
-    error = session.screenshot("error", "--level", "5", "--representation", "cleaf^0,cvoxel", "--mode", "error")
+    normals = session.screenshot("normals", "--level", "5", "--representation", "cleaf^0,cvoxel", "--show", "normals")
+    error = session.screenshot("error", "--level", "5", "--representation", "cleaf^0,cvoxel", "--show", "error")
     if len({picture[2] for picture in (grid, leaf, finer, voxel, split, normals, error)}) != 7:
         fail("switching has no visible effect")
 
-    session.start("--level", "4", "--representation", "grid", "--picture", "saved.ppm")
+    session.start("--level", "4", "--representation", "grid", "--output", "saved.ppm")
     session.key("h")
     session.shows("GRID", grid)
     session.key("5")

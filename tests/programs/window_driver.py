@@ -95,7 +95,8 @@ class Session:
         """Returns the picture that the program writes without a window."""
         path = os.path.join(self.folder, name + ".ppm")
         environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
-        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % size, *options, "--screenshot", path],
+        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % size, *options, "--no-window",
+                               "--output", path],
                               env=environment, cwd=self.folder, stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")

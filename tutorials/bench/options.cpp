@@ -211,7 +211,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, OptionTexts& texts)
   app.add_flag("--check-packets", o.checks.packets,
                "trace these rays in coherent packets as wide as the instruction set");
   app.add_option("--position", texts.position, "position to which models are moved: x,y,z")->type_name("P");
-  app.add_option("--max-error", o.maxError,
+  app.add_option("--max-error-diagonals", o.maxError,
                  "bound on cVERT's spacing, and on the thickness of leaves if the frame level is auto, in diagonals\n"
                  "of the cage's bounding box; 0: cVERT stores vertices exactly")
     ->type_name("E");
@@ -269,7 +269,7 @@ void readSurfaces(const OptionTexts& texts, BenchOptions& o)
   if (!texts.position.empty())
     o.position = parsePosition(texts.position);
   if (o.maxError)
-    requireNotNegative("--max-error", *o.maxError);
+    requireNotNegative("--max-error-diagonals", *o.maxError);
   o.representations = parseAll(texts.representations, texts.frameLevels);
 }
 

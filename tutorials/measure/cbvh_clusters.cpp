@@ -9,6 +9,7 @@
 #include "programs/command_line.h"
 #include "programs/run_program.h"
 #include "programs/surface_options.h"
+#include "programs/view_options.h"
 #include "scenes/catalogue.h"
 #include "support/cluster_judge.h"
 
@@ -18,6 +19,7 @@
 #include <embree3/rtcore_compression.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,10 +31,10 @@ struct Options
   std::vector<std::string> scenes{"cube", "trex", "frog", "scythe", "knee"};
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
-  float maxError = -1; // negative: the library's default
-  Vec3f sceneOffset{0, 0, 0};
+  std::optional<float> maxError;
+  Vec3f position{0, 0, 0};
   float scale = 1;
-  bool check = false;
+  bool verify = false;
 };
 
 const struct
@@ -56,7 +58,7 @@ std::string describeFloatClusters(const RTCCompressedClusterReport& report)
 size_t measure(const Options& options, Model& model)
 {
   for (Vec3f& p : model.cage.positions)
-    p = p * options.scale + options.sceneOffset;
+    p = p * options.scale + options.position;
   EmbreeDevice device("");
   const SharedTopology topology(device, model.cage, {});
   DisplacementContext context;
@@ -65,8 +67,8 @@ size_t measure(const Options& options, Model& model)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_CVERT;
-  if (options.maxError >= 0)
-    args.maxError = options.maxError;
+  if (options.maxError)
+    args.maxError = *options.maxError;
   const size_t before = device.memory().live();
   const GeometryHandle geometry = topology.makeGeometry(Placement(), context, &args);
   const SceneHandle scene(rtcNewScene(device.handle()));
@@ -87,7 +89,7 @@ size_t measure(const Options& options, Model& model)
                 triangles * 1e-6, bytes / triangles, format.name, report.numClusters,
                 triangles / double(report.numClusters), double(report.bytes) / triangles,
                 double(report.indexBytes) / triangles, describeFloatClusters(report).c_str(), seconds);
-    if (options.check)
+    if (options.verify)
     {
       const test::ClusterJudge judge(geometry.get(), 0, format.format);
       decoded += judge.decodedVertices;
@@ -106,25 +108,33 @@ int run(int argc, char** argv)
                "bytes of indices per triangle (whole grids need none), and the number of clusters that are stored as "
                "floats because the format cannot hold them.", "cbvh_clusters");
   app.add_option("--scene", options.scenes, "comma-separated list of " + listOfScenes())
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--level", options.level, "tessellation level L: each face has 2^L x 2^L quads")
-    ->capture_default_str();
-  app.add_option("--max-error", options.maxError, "spacing of the lattice, 0 for lossless [the library's default]");
-  app.add_option("--scene-offset", options.sceneOffset.x,
-                 "distance by which scenes are moved along x; half of it along y");
+    ->type_name("L")->capture_default_str();
+  app.add_option("--max-error", options.maxError,
+                 "largest spacing of the lattice, 0 for lossless [the library's default]")
+    ->type_name("E");
+  app.add_option_function<std::string>(
+       "--position", [&](const std::string& text) { options.position = parsePosition(text); },
+       "position to which scenes are moved: x,y,z")
+    ->type_name("P");
   app.add_option("--scale", options.scale, "factor of the cage before it is moved; the displacement is not scaled")
-    ->capture_default_str();
-  app.add_flag("--check", options.check,
+    ->type_name("S")->capture_default_str();
+  app.add_flag("--verify", options.verify,
                "decode all clusters by their specifications, and compare triangles and vertices with hits of rays");
   addMapOptions(app, options.cage);
   app.add_option("--cage", options.cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   if (!parseCommandLine(app, argc, argv))
     return 0;
-  options.sceneOffset.y = 0.5f * options.sceneOffset.x;
+  if (options.maxError)
+    requireNotNegative("--max-error", *options.maxError);
+  BuildSettings build;
+  build.level = options.level;
+  validateBuild(build);
   std::printf("| scene | million triangles | cVERT, bytes per triangle | format | clusters | triangles per cluster | "
               "bytes per triangle | of indices | clusters as floats | s |%s\n"
               "|:--|--:|--:|:--|--:|--:|--:|--:|--:|--:|%s\n",
-              options.check ? " identical |" : "", options.check ? "--:|" : "");
+              options.verify ? " identical |" : "", options.verify ? "--:|" : "");
   size_t decoded = 0;
   for (const std::string& scene : options.cage.cagePath.empty() ? options.scenes : std::vector<std::string>{""})
   {
@@ -135,7 +145,7 @@ int run(int argc, char** argv)
     std::fputs(warnings.c_str(), stderr);
     decoded += measure(options, model);
   }
-  if (options.check)
+  if (options.verify)
     std::printf("\nAll %zu decoded vertices and all triangles are identical to the bit.\n", decoded);
   return 0;
 }

@@ -8,6 +8,7 @@
 #include "basics/vec.h"
 #include "building/embree_device.h"
 #include "measure/quantiles.h"
+#include "programs/command_line.h"
 #include "programs/run_program.h"
 
 #include <CLI/CLI.hpp>
@@ -244,28 +245,24 @@ void measure(const Options& options, const std::string& accel, size_t count)
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.");
+  CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.",
+               "cbvh_commits");
   app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--shape", options.shape, "shape of a geometry: ball (6 faces), face, or sheet (64 x 64 faces)")
-    ->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
+    ->type_name("SHAPE")->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
   app.add_option("--quads", options.quads, "approximate number of quads of all geometries together")
-    ->capture_default_str();
+    ->type_name("N")->capture_default_str();
   app.add_flag("--release-input", options.releaseInput,
                "release input buffers when a geometry is committed (compressed geometries only)");
   app.add_option("--repeat", options.repeat, "number of edits, whose median is reported")
-    ->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--rays", options.rays, "number of rays at random geometries")->capture_default_str();
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& error)
-  {
-    return app.exit(error) == 0 ? 0 : 1; // prints the message or the help; CLI11 has a status per kind of error
-  }
+    ->type_name("N")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--rays", options.rays, "number of rays at random geometries")
+    ->type_name("N")->capture_default_str();
+  if (!parseCommandLine(app, argc, argv))
+    return 0;
   std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) "
               "| one masked (of the scene) | a second scene, s | MiB of geometries | and scene | peak | second scene "
               "| nine more | Mrays/s |\n"

@@ -48,7 +48,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const TimedBuild embree(prepare, options.compared, RTC_COMPRESSION_NONE, -1,
                           options.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
   const TimedBuild ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
-  const PictureRays picture(model, embree.handle(), options.compared.side, false);
+  const PictureRays picture(model, embree.handle(), options.compared.size, false);
   const std::vector<RTCRayHit>* const sets[3] = {&picture.primary, &picture.tiles, &picture.bounces};
   std::vector<RTCRayHit> hits[2];
   double speed[3];
@@ -82,15 +82,16 @@ int run(int argc, char** argv)
                "the application's buffers, seconds of commits, the relative speed of rays, and the percentage of rays "
                "whose hits differ by more than a thousandth of the cage's diagonal.",
                "cbvh_diced");
-  options.compared.addOptions(app, "--cage,--mesh");
+  options.compared.addOptions(app);
   app.add_option("--input", options.inputs,
                  "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads and triangles in "
                  "the order of OpenSubdiv's refinement, the last two also with :rows or :shuffled")
-    ->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_flag("--compact", options.compact,
                "compare with Embree's compact mode (RTC_SCENE_FLAG_COMPACT): less memory, slower rays");
   if (!parseCommandLine(app, argc, argv))
     return 0;
+  options.compared.validate();
   std::vector<DicedInput> inputs;
   for (const std::string& word : options.inputs)
     inputs.push_back(DicedInput::parse(word));
@@ -100,7 +101,6 @@ int run(int argc, char** argv)
   BuildSettings settings;
   settings.level = options.compared.level;
   options.compared.forEach([&](const Model& model) {
-    validateBuild(settings);
     const DicedSurface surface(model, settings);
     for (const DicedInput& input : inputs)
       measure(options, model, surface, input);

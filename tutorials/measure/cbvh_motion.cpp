@@ -59,7 +59,7 @@ void measure(const Options& options, const Model& model)
   const TimedBuild grid(prepare, options.compared, RTC_COMPRESSION_NONE),
     ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
   const double quads = double(model.layout(options.compared.level).numQuads());
-  const PictureRays rays(model, grid.handle(), options.compared.side, true);
+  const PictureRays rays(model, grid.handle(), options.compared.size, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
   double speed[numQueries];
   compareSpeeds(rays, grid.handle(), ours.handle(), options.compared.repeat, speed);
@@ -135,7 +135,7 @@ void measureStatic(const Options& options, Model model)
   rtcCommitScene(both.get());
   device.check("committing");
   double speed[numQueries];
-  const PictureRays rays(model, alone.get(), options.compared.side, true);
+  const PictureRays rays(model, alone.get(), options.compared.size, true);
   compareSpeeds(rays, alone.get(), both.get(), 3 * options.compared.repeat, speed);
   std::printf("| %s | %.3f | %.3f | %.3f | %.3f |\n", model.name.c_str(), speed[0], speed[1], speed[2], speed[3]);
   std::fflush(stdout);
@@ -148,15 +148,17 @@ int run(int argc, char** argv)
                "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
                "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 rays.",
                "cbvh_motion");
-  options.compared.addOptions(app, "--cage");
+  options.compared.addOptions(app);
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
-    ->delimiter(',')->capture_default_str();
-  app.add_option("--steps", options.steps, "number of time steps")->capture_default_str();
-  app.add_option("--degrees", options.degrees, "angle from the first time step to the last")->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->capture_default_str();
+  app.add_option("--steps", options.steps, "number of time steps")->type_name("N")->capture_default_str();
+  app.add_option("--degrees", options.degrees, "angle from the first time step to the last")
+    ->type_name("ANGLE")->capture_default_str();
   app.add_flag("--static", options.staticSurface,
                "measure instead the relative speed of rays of a static surface if something else in its scene moves");
   if (!parseCommandLine(app, argc, argv))
     return 0;
+  options.compared.validate();
   if (options.staticSurface)
     std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else

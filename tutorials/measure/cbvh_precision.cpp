@@ -317,7 +317,7 @@ void measure(const Options& options, const Source& source)
   Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, RTC_COMPRESSION_CVERT, 0);
   const std::vector<Vec3f> expected = exact.vertices(source.steps);
   const double edge = medianEdge(exact), quads = double(source.numQuads);
-  const PictureRays picture(source.model, embree.handle(), compared.side, source.steps > 1);
+  const PictureRays picture(source.model, embree.handle(), compared.size, source.steps > 1);
   std::vector<std::pair<std::string, double>> precisions;
   for (int divisor : options.divisors.empty() ? std::vector<int>{source.isCage ? 512 : 36} : options.divisors)
     precisions.push_back({"1/" + std::to_string(divisor), edge / divisor});
@@ -365,26 +365,29 @@ int run(int argc, char** argv)
                "99th percentile and the maximum.", "cbvh_precision");
   options.compared.scenes = {"trex"};
   options.compared.level = 5;
-  options.compared.addOptions(app, "--cage,--mesh");
+  options.compared.addOptions(app);
   app.add_option("--source", options.sources,
       "comma-separated list: terrain, a raster with cells of 2 m; national, a raster with cells of 1 m at "
       "(4.5e6, 5.4e6); scan, a noisy depth image; model, a diced --scene; cage, a --scene")
-      ->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))
+      ->capture_default_str();
   app.add_option("--input", options.inputs,
       "comma-separated list of geometry types for diced sources: grids, quads, triangles; "
       "models have no grids")
-      ->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
-      ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
-  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
+  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")
+      ->type_name("NAME")->capture_default_str();
   app.add_option("--divisor", options.divisors,
       "comma-separated list of N: bounds on the movement of vertices to measure besides the default and lossless, 1/N "
       "of the median edge each (default: 36; cages: 512)")
-      ->delimiter(',')->check(CLI::Range(1, 1 << 20));
-  app.add_option("--quads", options.sheetQuads, "quads per side of terrains and scans")
-      ->check(CLI::Range(16, 30000))->capture_default_str();
+      ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 1 << 20));
+  app.add_option("--quads-per-side", options.sheetQuads, "quads per side of terrains and scans")
+      ->type_name("N")->check(CLI::Range(16, 30000))->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
     return 0;
+  options.compared.validate();
   std::printf("| source | million quads | precision | Embree, bytes | cVERT | coherent | incoherent | any hit "
               "| build | moved, p99 | largest |\n"
               "|:--|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|\n");

@@ -9,6 +9,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "building/view_dicing.h"
+#include "building/vulkan_tracer.h"
 #include "programs/run_program.h"
 #include "programs/program_scene.h"
 #include "programs/view_options.h"
@@ -43,7 +44,8 @@ std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, con
   if (options.onCpu())
     return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
   Phase phase("upload of scene and shader to the device");
-  return makeVulkanPathTracer(scene.handle(), view, options.device, options.byRayQuery);
+  const VulkanDeviceName name(options.device);
+  return makeVulkanPathTracer(scene.handle(), view, name.selector, name.byRayQuery);
 }
 
 double secondsNow()

@@ -3,6 +3,7 @@
 
 #include "options.h"
 #include "picture_file.h"
+#include "building/vulkan_tracer.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
 #include "programs/outputs.h"
@@ -16,15 +17,6 @@
 namespace cbvh {
 namespace {
 
-/* Other programs use the prefix "vulkan:", and "vulkan" for the first device; the library does not. */
-std::string libraryName(const std::string& device)
-{
-  const std::string prefix = "vulkan:";
-  if (device == "vulkan")
-    return "";
-  return device.compare(0, prefix.size(), prefix) == 0 ? device.substr(prefix.size()) : device;
-}
-
 /* The first GPU, otherwise the CPU. Skips Mesa's llvmpipe, which runs on the CPU. */
 std::string chooseDevice()
 {
@@ -32,7 +24,7 @@ std::string chooseDevice()
   const unsigned count = std::min(rtcGetVulkanDevices(nullptr, infos, 16), 16u);
   for (unsigned i = 0; i < count; i++)
     if (!infos[i].unsupported[0] && std::strncmp(infos[i].name, "llvmpipe", 8) != 0)
-      return std::to_string(i);
+      return "vulkan:" + std::to_string(i);
   return "cpu";
 }
 
@@ -64,11 +56,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--bounces", o.bounces, "number of hits of a path after the first")
     ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
   addShutterOption(app, shutter);
-  app.add_option("--device", device,
-                 "vulkan for the first Vulkan device, a device's index, a part of its name, or cpu; auto for a GPU if "
-                 "there is one, else cpu")
-    ->type_name("NAME")->capture_default_str();
-  app.add_flag("--ray-query", o.byRayQuery, "use the ray queries of a Vulkan device's driver to find blocks");
+  addDeviceOption(app, device, "auto for a GPU if there is one, else cpu; ");
   app.add_flag("--window", o.window, "show the picture during rendering");
   app.add_option("--output", o.output,
                  "file for the picture: linear as .exr, sRGB as .png [cbvh_pathtracer.png, or none with --window]")
@@ -86,9 +74,8 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
   o.shutter = parseShutter(shutter);
-  o.device = device == "auto" ? chooseDevice() : libraryName(device);
-  if (o.byRayQuery && o.onCpu())
-    throw Error("--ray-query needs a Vulkan device: expected another --device than cpu");
+  o.device = device == "auto" ? chooseDevice() : device;
+  validateTraceDevice(o.device);
   const std::vector<Representation> representations = parseRepresentationOptions(representation, levels.frameLevel);
   if (representations.size() != 1)
     throw Error("--representation '" + representation + "' names more than one: expected one");

@@ -27,8 +27,7 @@ struct PathTracerOptions
   unsigned samples = 64;      // per pixel
   unsigned bounces = 3;       // hits of a path after the first
   Shutter shutter;            // for models that move
-  std::string device;         // "cpu", or for rtcNewVulkanDevice
-  bool byRayQuery = false;    // instead of the library's traversal
+  std::string device;         // "cpu", or a name as in VulkanTracer::create
   bool window = false;
   std::string output;         // empty for none
 

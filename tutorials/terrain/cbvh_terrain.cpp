@@ -52,7 +52,10 @@ public:
   {
     surfaces.push_back(nullptr);
     check(cbvhNewSurface(context, &surfaces.back()));
-    check(cbvhSetAccuracy(surfaces.back(), &accuracy));
+    if (accuracy.maxError > 0)
+      check(cbvhSetAccuracy(surfaces.back(), &accuracy));
+    else
+      check(cbvhSetLossless(surfaces.back(), 1));
     const CbvhGrid grid = {0, unsigned(tile.width), (unsigned short)tile.width, (unsigned short)tile.height};
     const float* const steps[1] = {&tile.vertices[0].x};
     CbvhGrids grids = CbvhGrids();
@@ -144,7 +147,7 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
               double(terrain.bytes()) / quads, double(usage.ru_maxrss) / 1024, double(terrain.maxDeviation()));
   std::fflush(stdout);
 
-  const int x0 = options.window[0], y0 = options.window[1], w = options.window[2] - x0, h = options.window[3] - y0;
+  const int x0 = options.crop[0], y0 = options.crop[1], w = options.crop[2] - x0, h = options.crop[3] - y0;
   const std::vector<float> heights = elevation.heights(x0, y0, w, h, threadCount(options.threads));
   std::vector<float> factors(heights.size());
   std::atomic<size_t> rays{0}, done{0};
@@ -183,7 +186,7 @@ int run(int argc, char** argv)
     return 0;
   installCancelHandler();
   Elevation elevation(options.elevation);
-  setWindow(options, elevation);
+  setCrop(options, elevation);
   if (options.embree.empty())
     measure(options, elevation, *std::make_unique<CompressedTerrain>(options));
   else

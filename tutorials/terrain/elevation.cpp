@@ -65,21 +65,18 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
   unit = unitOf(native->spec().format);
   sourceWidth = spec.width;
   sourceHeight = spec.height;
-  repeatX = settings.repeat.front();
-  repeatY = settings.repeat.back();
   if (sourceWidth < 2 || sourceHeight < 2)
     throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
                 std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
-  const double most = std::max(double(repeatX) * sourceWidth, double(repeatY) * sourceHeight);
-  if (std::min(repeatX, repeatY) < 1 || most > 1e6)
-    throw Error("--repeat " + std::to_string(repeatX) + "," + std::to_string(repeatY) +
-                ": expected copies from 1 on, and at most 1000000 samples along each side");
+  if (std::max(double(settings.repeatX) * sourceWidth, double(settings.repeatY) * sourceHeight) > 1e6)
+    throw Error("invalid --height-repeat " + std::to_string(settings.repeatX) + "x" + std::to_string(settings.repeatY) +
+                ": expected at most 1000000 samples along each side");
 }
 
 /* Repeated rasters are small and are read completely. */
 void Elevation::readRows(int begin, int end)
 {
-  if (repeatX > 1 || repeatY > 1)
+  if (settings.repeatX > 1 || settings.repeatY > 1)
   {
     begin = 0;
     end = sourceHeight;
@@ -108,7 +105,7 @@ float Elevation::noiseAt(int x, int y) const
 
 std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned threads)
 {
-  const bool isRepeated = repeatX > 1 || repeatY > 1;
+  const bool isRepeated = settings.repeatX > 1 || settings.repeatY > 1;
   readRows(y0, y0 + h);
   std::vector<float> heights(size_t(w) * size_t(h));
   parallelFor(size_t(h), 16, threads, [&](size_t begin, size_t end) {

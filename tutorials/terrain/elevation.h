@@ -18,7 +18,7 @@ struct ElevationSettings
 {
   std::string path;
   std::optional<float> nodata;  // of missing samples, in addition to NaN and GDAL's tag
-  std::vector<int> repeat{1};   // copies along x and y, or along both
+  int repeatX = 1, repeatY = 1; // copies along x and y
   float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
 };
 
@@ -29,8 +29,8 @@ public:
   explicit Elevation(const ElevationSettings& settings);
 
   /* Size in samples. Neighboring copies are mirrored and share a row or column, so there are no steps. */
-  int width() const { return (sourceWidth - 1) * repeatX + 1; }
-  int height() const { return (sourceHeight - 1) * repeatY + 1; }
+  int width() const { return (sourceWidth - 1) * settings.repeatX + 1; }
+  int height() const { return (sourceHeight - 1) * settings.repeatY + 1; }
 
   /* Heights of w x h samples from (x0,y0) on, by rows, in the raster's unit; NaN if missing. Row 0 is the top of the
    * image. Throws Error. */
@@ -43,7 +43,7 @@ private:
   const ElevationSettings settings;
   MapImage image;
   float unit = 1; // of a file's sample, because MapImage maps integers to -1..1 or 0..1
-  int sourceWidth = 0, sourceHeight = 0, repeatX = 1, repeatY = 1;
+  int sourceWidth = 0, sourceHeight = 0;
   int firstRow = 0;
   std::vector<float> rows; // from firstRow on
 };

@@ -13,7 +13,7 @@
 namespace cbvh {
 namespace {
 
-void writeScreenshot(const ViewerOptions& options)
+void writeOutput(const ViewerOptions& options)
 {
   Worker worker;
   Document document(loadModel(options.scene, options), options, worker);
@@ -34,7 +34,7 @@ void writeScreenshot(const ViewerOptions& options)
   const Image image = renderPicture(*document.loaded->start, findPanes(state, document), settings);
   if (document.loaded->saved)
     document.loaded->saved->check();
-  writePng(options.screenshot, image);
+  writePng(options.output, image);
 }
 
 int run(int argc, char** argv)
@@ -43,10 +43,10 @@ int run(int argc, char** argv)
   if (!options)
     return 0;
   installCancelHandler();
-  if (options->screenshot.empty())
-    showWindow(*options);
+  if (options->noWindow)
+    writeOutput(*options);
   else
-    writeScreenshot(*options);
+    showWindow(*options);
   return 0;
 }
 

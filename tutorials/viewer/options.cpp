@@ -37,7 +37,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   std::string representations = "cvert", size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side. Opens a window,\n"
-               "which lists its keys and opens files that are dropped onto it, or writes a picture with --screenshot.",
+               "which lists its keys and opens files that are dropped onto it, or writes a picture with --no-window.",
                "cbvh_viewer");
   addFileArguments(app, files, true);
   app.add_option("--scene", o.scene.scene, "generated scene, " + listOfScenes())->type_name("NAME");
@@ -49,21 +49,20 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     ->type_name("LIST")->capture_default_str();
   LevelOptions levels;
   addViewLevelOptions(app, levels);
-  app.add_option("--mode", mode, "contents of the picture: " + listOfModes())
+  app.add_option("--show", mode, "contents of the picture: " + listOfModes())
     ->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "size of window or picture")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples,
-                 "samples per pixel in mode shading, which the window adds while nothing moves; other modes and all\n"
+                 "samples per pixel of shading, which the window adds while nothing moves; other contents and all\n"
                  "figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--time", o.time,
                  "time of a model that moves: 0 is the first time step, 1 the last; the window has a slider")
     ->type_name("T")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-  app.add_option("--screenshot", o.screenshot,
-                 "write a picture to this file and open no window; the extension selects the format [PNG]")
-    ->type_name("FILE");
-  app.add_option("--picture", o.picture, "file for pictures that key P of the window saves")
+  app.add_flag("--no-window", o.noWindow, "write the picture to --output, and open no window");
+  app.add_option("--output", o.output,
+                 "file for the picture, which key P of the window saves; the extension selects the format")
     ->type_name("FILE")->capture_default_str();
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
     ->type_name("N")->capture_default_str();
@@ -79,10 +78,10 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   {
     rejectModelOptions(app, o.scene.savedPath);
     if (mode != "shading" && mode != "normals")
-      throw Error("--mode " + mode + " needs a model, but " + o.scene.savedPath +
+      throw Error("--show " + mode + " needs a model, but " + o.scene.savedPath +
                   " contains none: expected shading or normals");
   }
-  else if (!empty || !o.screenshot.empty()) // only a window may start empty
+  else if (!empty || o.noWindow) // only a window may start empty
     validateScene(o.scene);
   requireFile(o.scene.cagePath);
   requireFile(o.scene.savedPath);
@@ -102,13 +101,13 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
       known = true;
     }
   if (!known)
-    throw Error("unknown --mode '" + mode + "': expected one of " + listOfModes());
+    throw Error("unknown --show '" + mode + "': expected one of " + listOfModes());
   o.representations = parseRepresentationOptions(representations, levels.frameLevel);
   if (o.representations.size() > 2)
     throw Error("--representation '" + representations + "' names more than two: expected one or two");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
-  validateOutputs(o.scene, {{"--screenshot", o.screenshot}, {"--picture", o.picture}});
+  validateOutputs(o.scene, {{"--output", o.output}});
   return o;
 }
 

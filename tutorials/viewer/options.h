@@ -25,8 +25,8 @@ struct ViewerOptions
   int samples = 16;                         // per pixel in PictureMode::Shading
   float time = 0;                           // initial, 0 to 1
   ImageSize size{1024, 768};
-  std::string screenshot;                   // empty: open a window
-  std::string picture = "cbvh_viewer.png";  // for pictures that the window saves
+  bool noWindow = false;                    // write the picture and exit
+  std::string output = "cbvh_viewer.png";   // file for the picture
 };
 
 /* Returns nothing after printing help. Throws Error, one line. */

@@ -357,8 +357,8 @@ void Viewer::savePicture()
     {
       while (!rendered->isComplete())
         rendered->addSample();
-      writePng(options.picture, rendered->image());
-      lastMessage = "saved " + options.picture;
+      writePng(options.output, rendered->image());
+      lastMessage = "saved " + options.output;
     }
     catch (const Error& e)
     {

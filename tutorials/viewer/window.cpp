@@ -320,7 +320,7 @@ void showWindow(const ViewerOptions& options)
   /* Here, because upstream's application throws exceptions through GLFW's frames. */
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
   if (!glfwInit())
-    throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --screenshot");
+    throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --no-window");
   {
     Viewer viewer(options);
     Window(options, viewer).renderInteractive();
