@@ -11,14 +11,14 @@ struct CbvhGroupTy : embree::beside::RefCounted
 {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
-  /* Builds the tree over the surfaces' last commits. Throws if a surface is not committed, or if faces were left out,
-   * but then after the commit. */
+  /* Builds the tree over the surfaces' last commits. Throws without a change if a surface is not committed. If input
+   * was left out, throws once, after the commit (see cbvhCommitGroup). */
   void commit();
 
   const embree::beside::RefPtr<CbvhContextTy> context;
   const RTCScene scene;
   std::vector<embree::beside::RefPtr<CbvhSurfaceTy>> surfaces;
-  // number of the first primitive of each surface in the group, then the number of all primitives; 0 before a commit
+  // index of each surface's first primitive in the group, then the count of all primitives; zeros before a commit
   std::vector<size_t> firstPrimitive;
   CbvhStatistics statistics = CbvhStatistics(); // of the last commit
   bool isCommitted = false;

@@ -26,7 +26,7 @@ struct Input
   size_t numEdges = 0;                // one per index of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
-  std::vector<unsigned int> widths;   // width of each attribute
+  std::vector<unsigned int> widths;   // floats per value of each attribute
   // pairs of face and number of corners, sorted: the faces of a cage with attributes that do not have 4 corners
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // not NULL only during a commit
@@ -34,7 +34,7 @@ struct Input
 
   embree::Geometry* embreeGeometry() const { return (embree::Geometry*)geometry; }
 
-  /* Throws unless the face exists and has parameters u and v, numbered as in hits. */
+  /* Throws unless the face exists and contains the point (u, v), in the parametrization of hits. */
   void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
@@ -50,7 +50,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
-  /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until the commit. */
+  /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until the commit ends. */
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
@@ -102,7 +102,7 @@ private:
 
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
-  /* copies: true to copy the vertices. Otherwise they must exist until the commit. */
+  /* copies: true to copy the vertices. Otherwise they must exist until the commit ends. */
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
 
   /* Replaces the pending input, unless the device reported an error, which it throws. */

@@ -15,7 +15,7 @@ using namespace interposer;
 
 namespace {
 
-/* Returns the item "threads=N" of a device's settings, or "". It also applies to builds by libembree_cbvh. */
+/* Returns the item "threads=N" of a device's settings, or "". Builds by libembree_cbvh use as many threads. */
 std::string threadsOf(const char* config)
 {
   const std::string text = config ? config : "";
@@ -35,7 +35,7 @@ bool isInstance(RTCGeometryType type) {
   return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
 }
 
-/* Converts a geometry that Embree returned to the application's handle. */
+/* Returns the application's handle of a geometry that Embree returned. */
 RTCGeometry originalOf(RTCGeometry geometry)
 {
   if (!geometry || !hasSubstitutes() || !isActive()) return geometry;
@@ -43,7 +43,8 @@ RTCGeometry originalOf(RTCGeometry geometry)
   return data ? data->original : geometry;
 }
 
-/* Returns the geometry that Embree must attach: the application's if isOriginal, which it sets, or the substitute. */
+/* Returns the geometry that Embree must attach. isOriginal: receives true if it is the application's, false for the
+ * substitute. */
 RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
@@ -61,7 +62,8 @@ bool reportProgress(void* ptr, double done)
   return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, done));
 }
 
-/* Builds and attaches geometries for a scene's commit. */
+/* Builds the scene's compressed geometries that were committed. Attaches their substitutes to Embree's scene, or the
+ * originals if they cannot be compressed. Sets isCanceled if the application cancels. */
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
@@ -84,7 +86,8 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* A thread in a scene's commit. Threads that arrive before any has left join the commit and share its cancellation. */
+/* Exists while a thread commits a scene. Threads that arrive before any has left join the commit and share its
+ * cancellation. */
 class Commit
 {
 public:
@@ -164,7 +167,7 @@ RTC_API void rtcRetainScene(RTCScene scene)
 
 RTC_API void rtcReleaseScene(RTCScene scene)
 {
-  /* before Embree's release, after which Embree can reuse the address; the garbage is destroyed after it */
+  /* Objects must forget the scene before Embree frees it and reuses its address. Garbage is destroyed last. */
   const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
   REAL(rtcReleaseScene)(scene);
 }

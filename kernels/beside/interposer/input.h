@@ -43,6 +43,7 @@ struct Input
 
 private:
   const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
+  /* The result points to `steps`, which receives the vertices of each time step. */
   CbvhVertices vertices(std::vector<const float*>& steps) const;
   void applyCage(CbvhSurface surface) const;
   void applyGrids(CbvhSurface surface) const;

@@ -4,7 +4,8 @@
 #pragma once
 
 /* Settings of the environment variable EMBREE_CBVH, in the same syntax as for libembree3 of this project:
- * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. */
+ * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. Settings of the paper's
+ * representations have no effect. */
 
 #include <embree4/rtcore.h>
 
@@ -20,7 +21,7 @@ struct Options
   bool compresses(RTCGeometryType type) const;
 };
 
-/* Read once. Unknown items are reported on stderr and turn compression off. */
+/* Read once. Invalid items are reported on stderr and turn compression off. */
 const Options& options();
 
 /* Prints a line to stderr, unless it was printed before. Thread-safe. */

@@ -58,7 +58,7 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
-  /*! Keys in EMBREE_CBVH. In a device string they begin with "cbvh_". */
+  /*! Keys with a value in EMBREE_CBVH, which also accepts "level". In a device string they begin with "cbvh_". */
   static const char* const keys[] = {
     "frame_level","max_error","fallback_faces","grids","quads","triangles","release_input",
     "exact_faces" }; // former name of fallback_faces
@@ -116,7 +116,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! key: one of `keys`. name: of the key, for messages. */
+  /*! key: one of `keys`. name: how messages call the setting. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -129,7 +129,8 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! Returns a token of Embree's lexer as text. Tokens throw if read as another type than their own. */
+  /*! Returns an identifier or number of Embree's lexer as text, otherwise "". Each accessor throws for tokens of other
+   *  types, but Float() accepts integers. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
@@ -202,7 +203,7 @@ namespace embree
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
-    /* Errors only if the string requests compression: Embree ignores unknown keys. */
+    /* Embree ignores unknown keys. They are errors if subdiv_accel, or a misspelled key, requests compression. */
     for (const auto& entry : unknownKeys)
       if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
         throwInvalid("the device string",entry.first,

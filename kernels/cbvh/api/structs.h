@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Public structs of include/embree3 that may grow (core/struct_size.h), and conversion of internal structs. */
+/* Public structs of include/embree3 that may grow (core/struct_size.h), and conversions of internal structs to them. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
@@ -17,7 +17,7 @@ namespace embree
 {
   namespace core
   {
-    /* With the last member of each struct's first version, which never changes. */
+    /* Each with the last member of the struct's first version: never change it when appending members. */
     CBVH_EXTENSIBLE_STRUCT(RTCCompressionArguments,progressUserPtr);
     CBVH_EXTENSIBLE_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_EXTENSIBLE_STRUCT(RTCCompressedFileGeometryInfo,bytes);

@@ -23,7 +23,7 @@ struct InputScene
 {
   RTCScene scene;
   std::unique_ptr<const FlatScene, FlatRelease> flat;
-  uint32_t firstGeometry = 0;
+  uint32_t firstGeometry = 0;   // index of geomID 0 in the geometries of all inputs
   Subtree tree;
 };
 
@@ -55,7 +55,8 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* more than the rounding errors of this transform and of the inverse one, which transforms rays */
+  /* For rounding errors of this transform, and of the inverse one, which transforms rays. They can be larger if terms
+   * cancel or the transform is ill-conditioned; Embree has no such margin. */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -64,7 +65,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
   return out;
 }
 
-/* True if the driver can invert the instance's transform, as it must to transform rays. */
+/* For static instances: true if the driver can invert the transform, as it must to transform rays. */
 bool isInvertible(const FlatGeometry& instance)
 {
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
@@ -96,7 +97,7 @@ private:
     input.scene = scene;
     input.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
     if (!input.flat) {
-      /* rtcFlattenScene reported the error to the scene's RTCDevice */
+      /* rtcFlattenScene reported the error to the scene's RTCDevice. RTC_ERROR_NONE: do not report it again. */
       const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
       throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION,
                         "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that "
@@ -243,7 +244,7 @@ private:
 
   struct SceneOffsets { size_t node, movingNode, leaf; };
 
-  /* Appends nodes and leaves of scene s to the scene's arrays. */
+  /* Appends nodes and leaves of input s to the arrays that all inputs share. */
   void copyNodes(const FlatScene& flat, size_t s)
   {
     offsets.resize(inputs.size());
@@ -266,7 +267,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference of scene s to the scene's arrays, and adds its type to the scene's kinds. */
+  /* Converts a reference of input s to the shared arrays, and adds its type to out.kinds. */
   uint32_t renumbered(uint32_t reference, size_t s)
   {
     if (reference == emptyReference) return reference;
@@ -349,7 +350,7 @@ private:
   {
     LeafBoxes boxes;
     VkDeviceAddress address;
-    size_t level;   // bottom level, in the instanced scene's space
+    size_t level;   // result of addLevel: a bottom level in the instanced scene's space
   };
 
   /* Adds bottom levels and instances of all inputs. Moving instances have bottom levels of their own, for all times. */
@@ -397,8 +398,8 @@ private:
         geometries.push_back(describe(inputs[s], inputs[s].flat->geometries[i]));
       if (s > 0) instancedDepth = std::max(instancedDepth, inputs[s].tree.depth);
     }
-    /* Traversal pushes up to three children per level. A multiple of 32, so that scenes of similar depth share a
-     * pipeline. */
+    /* Traversal pushes up to three children per node. 2 more, so that an empty scene has a stack, and a multiple of 32,
+     * so that scenes of similar depth share a pipeline. */
     const uint32_t depth = inputs[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
