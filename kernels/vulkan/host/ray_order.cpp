@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t maxRays = size_t(1) << 27;   // shaders index words of rays with 32 bits
 
-size_t tilesOf(size_t count) { return (count + orderTile - 1)/orderTile; }
+size_t tilesOf(size_t count) { return (count + orderTileSize - 1)/orderTileSize; }
 size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
 
 } // namespace
@@ -22,7 +22,7 @@ size_t rayOrderBytes(size_t count)
   if (count > maxRays)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": at most "
                       + std::to_string(maxRays) + " rays are ordered at once");
-  return 2*pairBytes(count) + ((4*orderDigits*tilesOf(count) + 15) & ~size_t(15));
+  return 2*pairBytes(count) + ((4*orderRadix*tilesOf(count) + 15) & ~size_t(15));
 }
 
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands,

@@ -74,25 +74,25 @@ void makeKeys ()
 /* --- digits ---------------------------------------------------------------------------- */
 
 /* [digit][thread]: counts, then exclusive prefix sums over the threads */
-shared uint sums[orderDigits*orderThreads];
+shared uint sums[orderRadix*orderThreads];
 
-uint digitOf (uint key) { return (key >> arguments.shift) & (orderDigits - 1u); }
+uint digitOf (uint key) { return (key >> arguments.shift) & (orderRadix - 1u); }
 
 void countTile ()
 {
-  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTile + thread*orderKeys;
-  for (uint digit = 0u; digit < orderDigits; digit++) sums[digit*orderThreads + thread] = 0u;
-  for (uint k = 0u; k < orderKeys; k++)
+  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTileSize + thread*orderKeysPerThread;
+  for (uint digit = 0u; digit < orderRadix; digit++) sums[digit*orderThreads + thread] = 0u;
+  for (uint k = 0u; k < orderKeysPerThread; k++)
     if (first + k < arguments.count) sums[digitOf(Pairs(arguments.from).at[first + k].x)*orderThreads + thread]++;
   barrier();
 }
 
-/* Replaces the counts in `sums` by prefix sums. In the first orderDigits threads, returns the tile's count of digit
+/* Replaces the counts in `sums` by prefix sums. In the first orderRadix threads, returns the tile's count of digit
  * gl_LocalInvocationID.x. */
 uint sumThreads ()
 {
   uint thread = gl_LocalInvocationID.x, sum = 0u;
-  if (thread < orderDigits)
+  if (thread < orderRadix)
     for (uint k = 0u; k < orderThreads; k++) {
       uint n = sums[thread*orderThreads + k];
       sums[thread*orderThreads + k] = sum;
@@ -106,7 +106,7 @@ void countDigits ()
 {
   countTile();
   uint all = sumThreads();
-  if (gl_LocalInvocationID.x < orderDigits)
+  if (gl_LocalInvocationID.x < orderRadix)
     Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }
 
@@ -114,7 +114,7 @@ void countDigits ()
 shared uint partial[orderThreads];
 void sumDigits ()
 {
-  uint n = orderDigits*arguments.count, each = (n + orderThreads - 1u)/orderThreads;
+  uint n = orderRadix*arguments.count, each = (n + orderThreads - 1u)/orderThreads;
   uint thread = gl_LocalInvocationID.x, begin = min(thread*each, n), end = min(begin + each, n), sum = 0u;
   for (uint i = begin; i < end; i++) sum += Words(arguments.counts).at[i];
   partial[thread] = sum;
@@ -132,8 +132,8 @@ void scatter ()
 {
   countTile();
   sumThreads();
-  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTile + thread*orderKeys;
-  for (uint k = 0u; k < orderKeys; k++)
+  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTileSize + thread*orderKeysPerThread;
+  for (uint k = 0u; k < orderKeysPerThread; k++)
     if (first + k < arguments.count) {
       uvec2 pair = Pairs(arguments.from).at[first + k];
       uint digit = digitOf(pair.x);
