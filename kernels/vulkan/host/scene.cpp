@@ -98,8 +98,8 @@ private:
     input.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
     if (!input.flat) {
       /* rtcFlattenScene reported the error to the scene's RTCDevice. RTC_ERROR_NONE: do not report it again. */
-      const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
-      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION,
+      const bool isReported = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
+      throw VulkanError(isReported ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION,
                         "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that "
                         "says why");
     }
@@ -140,8 +140,8 @@ private:
         if (!geometry.isSupported)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
                             + std::to_string(geometry.timeSteps)
-                            + " time steps), which Vulkan devices trace of compressed geometry, and of instances "
-                              "with linear transforms");
+                            + " time steps): Vulkan devices support motion blur only for compressed geometry, and for "
+                              "instances with linear transforms");
         if (geometry.hasFilter)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                             name + " has a filter function, which a Vulkan device cannot call");
@@ -170,9 +170,9 @@ private:
         const FlatBlock& block = input.flat->blocks[i];
         placed.push_back({&block, input.flat->geometries[block.geomID].build});
       }
-    const bool isRequired = memory == RTC_VULKAN_MEMORY_IMPORT;
-    const bool isShared = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
-    bool import = isRequired || (memory == RTC_VULKAN_MEMORY_AUTO && isShared);
+    const bool isImportRequired = memory == RTC_VULKAN_MEMORY_IMPORT;
+    const bool isImportCheap = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
+    bool import = isImportRequired || (memory == RTC_VULKAN_MEMORY_AUTO && isImportCheap);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ")
                         + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
@@ -181,7 +181,7 @@ private:
       try {
         out.blocks = importBlocks(device, placed);
       } catch (const VulkanError& error) {
-        if (isRequired)
+        if (isImportRequired)
           throw VulkanError(error.code, error.what() + std::string("; RTC_VULKAN_MEMORY_AUTO copies such blocks"));
         import = false;
       }
@@ -208,7 +208,7 @@ private:
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(input.scene));
     copyNodes(flat, s);
-    const auto copyTree = [&](const FlatTree& from) {
+    const auto subtreeOf = [&](const FlatTree& from) {
       Subtree subtree;
       if (from.root == emptyReference) return subtree;
       subtree.root = renumbered(from.root, s);
@@ -217,7 +217,7 @@ private:
       subtree.depth = from.depth;
       return subtree;
     };
-    input.tree = tree.join({copyTree(flat.staticTree), copyTree(flat.movingTree),
+    input.tree = tree.join({subtreeOf(flat.staticTree), subtreeOf(flat.movingTree),
                             tree.buildTriangles(embree.get(), triangles),
                             tree.buildInstances(embree.get(), instances)});
   }
@@ -305,18 +305,18 @@ private:
     return slice;
   }
 
-  GeometryData describe(const InputScene& input, const FlatGeometry& geometry)
+  GeometryData uploadGeometry(const InputScene& input, const FlatGeometry& geometry)
   {
     GeometryData data = GeometryData();
     data.mask = geometry.type == FLAT_NONE ? 0 : geometry.mask;
     data.isRobust = input.flat->isRobust;
     if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
     {
-      /* bytes; without the padding after the last element, which may be unreadable */
-      const size_t vertices = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
-      const size_t indices = (geometry.numTriangles - 1)*geometry.indexStride + 12;
-      data.vertices = writeArray(geometry.vertices, vertices, "vertices of a triangle mesh").address();
-      data.indices = writeArray(geometry.indices, indices, "indices of a triangle mesh").address();
+      /* without the padding after the last element, which may be unreadable */
+      const size_t vertexBytes = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
+      const size_t indexBytes = (geometry.numTriangles - 1)*geometry.indexStride + 12;
+      data.vertices = writeArray(geometry.vertices, vertexBytes, "vertices of a triangle mesh").address();
+      data.indices = writeArray(geometry.indices, indexBytes, "indices of a triangle mesh").address();
       data.vertexStride = uint32_t(geometry.vertexStride/4);
       data.indexStride = uint32_t(geometry.indexStride/4);
     }
@@ -354,7 +354,7 @@ private:
   };
 
   /* Adds bottom levels and instances of all inputs. Moving instances have bottom levels of their own, for all times. */
-  void placeBoxes(QueryStructuresBuilder& builder)
+  void addLevelsAndInstances(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
     const auto unchanged = [](const Bounds& b) { return b; };
@@ -395,7 +395,7 @@ private:
     uint32_t instancedDepth = 0;
     for (size_t s = 0; s < inputs.size(); s++) {
       for (size_t i = 0; i < inputs[s].flat->numGeometries; i++)
-        geometries.push_back(describe(inputs[s], inputs[s].flat->geometries[i]));
+        geometries.push_back(uploadGeometry(inputs[s], inputs[s].flat->geometries[i]));
       if (s > 0) instancedDepth = std::max(instancedDepth, inputs[s].tree.depth);
     }
     /* Traversal pushes up to three children per node. 2 more, so that an empty scene has a stack, and a multiple of 32,
@@ -415,7 +415,7 @@ private:
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     if (out.usesRayQuery) {
       QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
-      placeBoxes(builder);
+      addLevelsAndInstances(builder);
       data.placed
         = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "placed boxes").address();
       builder.build(out.arena, out.structures, out.statistics);
