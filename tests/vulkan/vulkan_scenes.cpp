@@ -177,7 +177,7 @@ TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
 
 TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
 {
-  Scene triangle(embree), instance(embree), above(embree), moving(embree);
+  Scene triangle(embree), instance(embree), above(embree), cyclic(embree), moving(embree);
   attach(triangle, newTriangle(embree, 0));
   rtcCommitScene(triangle);
   attach(instance, newTriangle(embree, 1));
@@ -189,6 +189,12 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   EXPECT_FALSE(upload(above));
   expectError(RTC_ERROR_INVALID_OPERATION,
               {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  attach(cyclic, newTriangle(embree, 0));
+  attach(cyclic, newInstance(embree, cyclic, 0));
+  rtcCommitScene(cyclic);
+  EXPECT_FALSE(upload(cyclic));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "its own scene", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  rtcDetachGeometry(cyclic, 1);   // the scene no longer retains itself
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
   rtcCommitScene(moving);

@@ -121,6 +121,10 @@ private:
                             "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       if (!geometry.instanced)
         throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i) + " instances no scene");
+      if (geometry.instanced == inputs[s].scene)   // traversal would never end
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i)
+                          + " instances its own scene: scenes with instances cannot be instanced, "
+                            "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       addScene(geometry.instanced);
     }
   }
