@@ -301,6 +301,7 @@ private:
     for (const auto& triangle : tree.triangles) leaves.push_back(triangle);
   }
 
+  /* Uploads an array into memory of the scene. An empty array has an address, too. what: for messages. */
   template<typename T>
   Slice writeArray(const T* data, size_t count, const char* what)
   {
@@ -407,11 +408,9 @@ private:
     const uint32_t depth = inputs[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
-    const FlatNode placeholder = FlatNode();
     static_assert(sizeof(FlatNode) == nodeBytes && sizeof(FlatMovingNode) == movingNodeBytes, "layout of a node");
     SceneData data = SceneData();
-    data.nodes = writeArray(tree.nodes.empty() ? &placeholder : tree.nodes.data(),
-                            std::max(tree.nodes.size(), size_t(1)), "nodes").address();
+    data.nodes = writeArray(tree.nodes.data(), tree.nodes.size(), "nodes").address();
     data.movingNodes = tree.movingNodes.empty() ? data.nodes
       : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "moving nodes").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
