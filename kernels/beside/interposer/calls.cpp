@@ -16,7 +16,7 @@ using namespace interposer;
 namespace {
 
 /* Returns the item "threads=N" of a device's settings, or "". Builds by libembree_cbvh use as many threads. */
-std::string threadsOf(const char* config)
+std::string threadsSettingOf(const char* config)
 {
   const std::string text = config ? config : "";
   for (size_t at = text.find("threads"); at != std::string::npos; at = text.find("threads", at + 1)) {
@@ -45,7 +45,7 @@ RTCGeometry originalOf(RTCGeometry geometry)
 
 /* Returns the geometry that Embree must attach. isOriginal: receives true if it is the application's, false for the
  * substitute. */
-RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
+RTCGeometry geometryToAttach(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
   isOriginal = !substituted || substituted->isLeftToEmbree();
@@ -75,8 +75,8 @@ void prepare(Scene& scene)
     const bool needsBuild = geometry.needsBuild();
     if (needsBuild && !scene.isCanceled)
       scene.isCanceled =
-        !geometry.build([&](double part) { return !scene.progress
-          || scene.progress(scene.progressPtr, buildFraction*(double(done) + part)/double(count)); });
+        !geometry.build([&](double fraction) { return !scene.progress
+          || scene.progress(scene.progressPtr, buildFraction*(double(done) + fraction)/double(count)); });
     done += needsBuild;
     const bool isOriginal = geometry.isLeftToEmbree();
     if (!objects.setIsOriginal(scene, entry.first, entry.second, isOriginal)) continue;
@@ -126,7 +126,7 @@ private:
 RTC_API RTCDevice rtcNewDevice(const char* config)
 {
   const RTCDevice device = REAL(rtcNewDevice)(config);
-  if (device && isActive()) devices.add(device, threadsOf(config));
+  if (device && isActive()) devices.add(device, threadsSettingOf(config));
   return device;
 }
 
@@ -175,7 +175,7 @@ RTC_API void rtcReleaseScene(RTCScene scene)
 RTC_API unsigned int rtcAttachGeometry(RTCScene scene, RTCGeometry geometry)
 {
   bool isOriginal;
-  const unsigned int geomID = REAL(rtcAttachGeometry)(scene, substituteOf(geometry, isOriginal));
+  const unsigned int geomID = REAL(rtcAttachGeometry)(scene, geometryToAttach(geometry, isOriginal));
   if (geomID != RTC_INVALID_GEOMETRY_ID && isActive()) Objects::get().attach(scene, geomID, geometry, isOriginal);
   return geomID;
 }
@@ -183,7 +183,7 @@ RTC_API unsigned int rtcAttachGeometry(RTCScene scene, RTCGeometry geometry)
 RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigned int geomID)
 {
   bool isOriginal;
-  const RTCGeometry attached = substituteOf(geometry, isOriginal);
+  const RTCGeometry attached = geometryToAttach(geometry, isOriginal);
   REAL(rtcAttachGeometryByID)(scene, attached, geomID);
   if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
   /* Embree reports an error if another geometry already has the ID */
