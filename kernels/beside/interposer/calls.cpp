@@ -15,17 +15,18 @@ using namespace interposer;
 
 namespace {
 
-/* Returns the item "threads=N" of a device's settings, or "". Builds by libembree_cbvh use as many threads. */
+/* Returns the last item "threads=N" of a device's settings, or "". Builds by libembree_cbvh use as many threads. */
 std::string threadsSettingOf(const char* config)
 {
   const std::string text = config ? config : "";
+  std::string setting;
   for (size_t at = text.find("threads"); at != std::string::npos; at = text.find("threads", at + 1)) {
     if (at > 0 && (text[at - 1] == '_' || std::isalpha((unsigned char)text[at - 1]))) continue;   // part of another key
-    size_t digits = text.find_first_not_of(" =", at + 7), end = digits;
+    size_t digits = text.find_first_not_of(" \t\r\n=", at + 7), end = digits;
     while (end < text.size() && std::isdigit((unsigned char)text[end])) end++;
-    if (digits != std::string::npos && end > digits) return "threads=" + text.substr(digits, end - digits);
+    if (digits != std::string::npos && end > digits) setting = "threads=" + text.substr(digits, end - digits);
   }
-  return "";
+  return setting;
 }
 
 /* Never destroyed, because programs release devices in destructors of static objects. */
@@ -59,7 +60,8 @@ constexpr double buildFraction = 0.9;
 bool reportProgress(void* ptr, double done)
 {
   const Scene& scene = *(const Scene*)ptr;
-  return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, done));
+  const double begin = scene.hasBuilt ? buildFraction : 0;
+  return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, begin + (1 - begin)*done));
 }
 
 /* Builds the scene's compressed geometries that were committed. Attaches their substitutes to Embree's scene, or the
@@ -70,6 +72,7 @@ void prepare(Scene& scene)
   const auto all = objects.retainSubstituted(scene);
   size_t count = 0, done = 0;
   for (const auto& entry : all) count += entry.second->substituted->needsBuild();
+  if (count > 0) scene.hasBuilt = true;
   for (const auto& entry : all) {
     Substituted& geometry = *entry.second->substituted;
     const bool needsBuild = geometry.needsBuild();
@@ -95,7 +98,7 @@ public:
   {
     if (!scene) return;
     const std::lock_guard<std::mutex> lock(scene->commitMutex);
-    if (scene->numCommitting++ == 0 || scene->startsNewCommit) scene->isCanceled = false;
+    if (scene->numCommitting++ == 0 || scene->startsNewCommit) scene->isCanceled = scene->hasBuilt = false;
     scene->startsNewCommit = false;
   }
   ~Commit()

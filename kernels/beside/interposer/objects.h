@@ -45,6 +45,7 @@ struct Scene
   size_t numCommitting = 0;              // threads in rtcCommitScene or rtcJoinCommitScene
   bool startsNewCommit = true;           // the next thread starts a new commit: a thread has left the current one
   std::atomic<bool> isCanceled{false};   // for all threads that joined the current commit
+  std::atomic<bool> hasBuilt{false};     // the current commit has built substitutes
 };
 
 /* Thread-safe. Handles that Objects does not contain are ignored. */
