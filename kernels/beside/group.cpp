@@ -43,7 +43,9 @@ void CbvhGroupTy::commit()
     const RTCGeometry geometry = surfaces[i]->committedInput()->geometry;
     if (geometry == attached[i]) continue;
     if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
+    attached[i] = nullptr;
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
+    context->check(); // without memory, the next commit attaches the geometry
     attached[i] = geometry;
   }
   for (size_t i = 0; i < surfaces.size(); i++)
@@ -66,11 +68,11 @@ void CbvhGroupTy::updateStatistics()
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;
   isCommitted = true;
-  const size_t reported = unsupportedFaces;
-  unsupportedFaces = all.numUnsupportedFaces;
-  if (unsupportedFaces != 0 && unsupportedFaces != reported)
+  const size_t reported = numUnsupportedFaces;
+  numUnsupportedFaces = all.numUnsupportedFaces;
+  if (numUnsupportedFaces != 0 && numUnsupportedFaces != reported)
     throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
-      std::to_string(unsupportedFaces)
+      std::to_string(numUnsupportedFaces)
         + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
           "and at most 64 faces per vertex"};
 }
