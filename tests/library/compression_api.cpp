@@ -229,8 +229,14 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
   expectNoDevice("cbvh_framelevel=2", "did you mean cbvh_frame_level?", "cbvh_framelevel");
   expectNoDevice("cbvh_fallback=1", "did you mean cbvh_fallback_faces?", "cbvh_fallback");
   expectNoDevice("cbvh=vert", "the device string", "cbvh");
-  Environment environment("vert,maxerror=0.001");
-  expectNoDevice("", "did you mean max_error?", "maxerror=0.001");
+  const std::string items[][2] = {{"maxerror=0.001", "did you mean max_error?"},
+                                  {"error=0.001", "did you mean max_error?"},
+                                  {"tri=1", "did you mean triangles?"},
+                                  {"quads", "expected quads=<value>"}};
+  for (const auto& item : items) {
+    Environment environment(("vert," + item[0]).c_str());
+    expectNoDevice("", item[1], item[0]);
+  }
 }
 
 // "grid" is Embree's GRID in programs that offer both, and cGRID elsewhere.

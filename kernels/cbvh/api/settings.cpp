@@ -75,17 +75,19 @@ namespace embree
   /*! Without prefix: "grid, voxel, leaf or vert". */
   static std::string kindKeys (const std::string& prefix)
   {
-    std::string keys;
+    std::string list;
     for (uint32_t k=0; k<cbvh::numKinds; k++)
-      keys += (k == 0 ? "" : k+1 < cbvh::numKinds ? ", " : " or ") + prefix + cbvh::kindDescriptions[k].key;
-    return keys;
+      list += (k == 0 ? "" : k+1 < cbvh::numKinds ? ", " : " or ") + prefix + cbvh::kindDescriptions[k].key;
+    return list;
   }
 
-  static void throwUnknownKey (const std::string& where, const std::string& key, const std::string& prefix)
+  /*! item: a key, or key=value. where: what contains it. prefix: of all keys there. */
+  static void throwUnknownKey (const std::string& where, const std::string& item, const std::string& prefix)
   {
+    const std::string key = item.substr(0,item.find('='));
     const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
     const std::string name = hasPrefix ? key.substr(prefix.size()) : key;
-    throwInvalid(where,key,
+    throwInvalid(where,item,
                  "unknown key, did you mean " + prefix + nearestName(name,{ std::begin(keys),std::end(keys) }) + "?");
   }
 
@@ -178,6 +180,7 @@ namespace embree
         else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = preferredCompression;
+        else if (isKey(key) || key == "level") throwInvalid("EMBREE_CBVH",item,"expected " + key + "=<value>");
         else if (!parseKind(key,compression))
           throwInvalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }
