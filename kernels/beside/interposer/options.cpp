@@ -98,9 +98,11 @@ const Options& options()
         continue;
       }
       read.isOn = false; // libembree3 of this project rejects the item, too
-      warnOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
+      const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
+      const std::string error = nearest == key ? "has no valid value." : "is not known, did you mean " + nearest + "?";
+      warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
-               item.c_str(), embree::nearestName(item.substr(0, item.find('=')), suggestions).c_str());
+               item.c_str(), error.c_str());
     }
     return read;
   }();
