@@ -118,7 +118,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! key: one of `keys`. name: how messages call the setting. */
+  /*! key: one of `keys`. name: what messages call it. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);

@@ -55,8 +55,8 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* For rounding errors of this transform, and of the inverse one, which transforms rays. They can be larger if terms
-   * cancel or the transform is ill-conditioned; Embree has no such margin. */
+  /* Margin for rounding errors of this transform, and of the inverse one, which transforms rays. Errors exceed it if
+   * terms cancel or the transform is ill-conditioned. Embree has no margin. */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -403,8 +403,8 @@ private:
         geometries.push_back(uploadGeometry(inputs[s], inputs[s].flat->geometries[i]));
       if (s > 0) instancedDepth = std::max(instancedDepth, inputs[s].tree.depth);
     }
-    /* Traversal pushes up to three children per node. 2 more, so that an empty scene has a stack, and a multiple of 32,
-     * so that scenes of similar depth share a pipeline. */
+    /* Traversal pushes up to three children per node. Two more entries, because an empty scene also needs a stack. A
+     * multiple of 32, so that scenes of similar depth share a pipeline. */
     const uint32_t depth = inputs[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
