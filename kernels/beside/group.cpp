@@ -26,6 +26,7 @@ CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t co
     for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
     firstPrimitive.resize(count + 1, 0);
     attached.resize(count, nullptr);
+    isReported.resize(count, false);
   }
   catch (...) { if (scene) rtcReleaseScene(scene); throw; }
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -47,6 +48,7 @@ void CbvhGroupTy::commit()
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
     context->check(); // without memory, the next commit attaches the geometry
     attached[i] = geometry;
+    isReported[i] = false;
   }
   for (size_t i = 0; i < surfaces.size(); i++)
     firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committedInput()->numPrimitives;
@@ -55,6 +57,16 @@ void CbvhGroupTy::commit()
   isCommitted = false;
   try { updateStatistics(); } catch (...) { if (!failure) throw; }
   if (failure) throw failure;
+  size_t numUnsupportedFaces = 0;
+  for (size_t i = 0; i < surfaces.size(); i++) {
+    if (!isReported[i]) numUnsupportedFaces += embree::core::numUnsupportedFaces((embree::Geometry*)attached[i]);
+    isReported[i] = true;
+  }
+  if (numUnsupportedFaces != 0)
+    throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
+      std::to_string(numUnsupportedFaces)
+        + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
+          "and at most 64 faces per vertex"};
 }
 
 /* Called after each commit, because Embree returns no statistics after a change of a surface's mask until every scene
@@ -68,13 +80,6 @@ void CbvhGroupTy::updateStatistics()
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;
   isCommitted = true;
-  const size_t reported = numUnsupportedFaces;
-  numUnsupportedFaces = all.numUnsupportedFaces;
-  if (numUnsupportedFaces != 0 && numUnsupportedFaces != reported)
-    throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
-      std::to_string(numUnsupportedFaces)
-        + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
-          "and at most 64 faces per vertex"};
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)

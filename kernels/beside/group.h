@@ -30,5 +30,5 @@ private:
   void updateStatistics();
 
   std::vector<RTCGeometry> attached;   // geometry that the scene contains for each surface, or NULL
-  size_t numUnsupportedFaces = 0;      // faces that the last commit left out
+  std::vector<bool> isReported;        // for each of them: faces that it leaves out were reported
 };

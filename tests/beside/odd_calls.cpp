@@ -566,6 +566,10 @@ TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
   EXPECT_EQ(statistics.numQuads, 6u*64);
   EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(prism, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT) << "a new cage leaves out as many faces";
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
   cbvhReleaseSurface(prism);
 }
 

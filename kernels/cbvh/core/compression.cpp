@@ -71,6 +71,13 @@ namespace embree
       return compressible && compressible->surface.blocks;
     }
 
+    size_t numUnsupportedFaces (Geometry* geometry)
+    {
+      const CompressibleGeometry* const compressible = asCompressible(geometry);
+      return compressible && compressible->surface.blocks
+        ? compressible->surface.blocks->statistics.sums.numUnsupportedFaces : 0;
+    }
+
     const char* reasonNotCompressed (Geometry* geometry)
     {
       const CompressibleGeometry* const compressible = asCompressible(geometry);

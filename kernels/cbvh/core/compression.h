@@ -35,6 +35,10 @@ namespace embree
      *  sentence: "are too few to matter". Null if it is compressed or has no primitives. The text is static. */
     const char* reasonNotCompressed (Geometry* geometry);
 
+    /*! Returns how many faces a geometry's blocks leave out, as Embree's subdivision does; 0 without blocks. Thread
+     *  safety: no other thread may commit the geometry during this call. Cost: constant. */
+    size_t numUnsupportedFaces (Geometry* geometry);
+
     /*! Returns the statistics of the last commit of a scene, without instanced scenes; all zero if it has no compressed
      *  geometry. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its geometries was modified since its last
      *  commit. Thread safety: no other thread may change the scene during this call. Cost: constant per geometry. */
