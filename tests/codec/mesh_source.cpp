@@ -340,7 +340,9 @@ TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
         }
         ASSERT_EQ(seen.size(), count);
         // parts of more than a cluster become two clusters
-        if (kind < 2) ASSERT_LE(clusters.size(), count/(most/2) + 1);
+        if (kind < 2) {
+          ASSERT_LE(clusters.size(), count/(most/2) + 1);
+        }
       }
 }
 
