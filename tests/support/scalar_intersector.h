@@ -83,7 +83,7 @@ namespace embree
       bool isAbove (const NodeBox& box) const
       {
         const Range<Real> range = rangeInBox(segment,box,2);
-        const Real middle = Real(0.5f)*(greater(range.lower,Real(0))+lesser(range.upper,Real(1)));
+        const Real middle = Real(0.5f)*(maximum(range.lower,Real(0))+minimum(range.upper,Real(1)));
         return segmentAt(segment,2,middle) > box.lower[2]+Real(0.5f)*box.extent[2];
       }
 
@@ -143,7 +143,7 @@ namespace embree
         LeafPatch solid;
         solid.box = box;
         solid.solid = true;
-        hit(m,solid,greater(range.lower,Real(0)),sideUnknown);
+        hit(m,solid,maximum(range.lower,Real(0)),sideUnknown);
       }
 
       /* --- hits on leaves --- */

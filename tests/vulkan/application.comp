@@ -20,7 +20,7 @@ layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
 #endif
 #include <embree3/cbvh.glsl>
 
-float lesser (float a) { return a; }
+float minimum (float a) { return a; }
 const int maxLevel = 3;
 uint32_t referenceType (uint32_t a) { return a; }
 
@@ -34,6 +34,6 @@ void main ()
   CbvhHit hit;
   uint i = gl_GlobalInvocationID.x;
   if (cbvhIntersect(arguments.scene, ray, hit))
-    t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
+    t[i] = minimum(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
   if (cbvhOccluded(arguments.scene, ray)) t[i] = float(referenceType(uint32_t(maxLevel)));
 }

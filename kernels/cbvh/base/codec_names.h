@@ -26,8 +26,8 @@ namespace embree
 
     /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible,
      * because it acts like declarations in the global namespace. */
-    using cvert::lesser;
-    using cvert::greater;
+    using cvert::minimum;
+    using cvert::maximum;
     using cvert::magnitude;
     using cvert::choose;
     using cvert::product;

@@ -13,9 +13,9 @@
 namespace embree
 {
   template<int N>
-  __forceinline vfloat_impl<N> lesser (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
+  __forceinline vfloat_impl<N> minimum (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
   template<int N>
-  __forceinline vfloat_impl<N> greater (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
+  __forceinline vfloat_impl<N> maximum (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
   template<int N> __forceinline vfloat_impl<N> magnitude (const vfloat_impl<N>& a) { return abs(a); }
   template<int N>
   __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a,

@@ -51,8 +51,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
 /*! Clips a range of s to the part where o + s d >= 0. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
-  if (d > Real(0)) range.lower = greater(range.lower,-o/d);
-  else if (d < Real(0)) range.upper = lesser(range.upper,-o/d);
+  if (d > Real(0)) range.lower = maximum(range.lower,-o/d);
+  else if (d < Real(0)) range.upper = minimum(range.upper,-o/d);
   else if (o < Real(0)) range.upper = Real(-beyondAll);
   return range;
 }
@@ -86,7 +86,7 @@ CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int
     for (int i=0; i<3; i++) stretch += magnitude(Real(block.columns[i][j]));
     if (j == k) stretchK = stretch;
     if (j == 3) stretchW = stretch;
-    else shortest = lesser(shortest,stretch);
+    else shortest = minimum(shortest,stretch);
   }
   Real farthest = distance + Real(relativeBoxRadius)/shortest;
   return Real(distanceUlps*floatUlp)*farthest*(stretchK+stretchW) + Real(unitUlps*floatUlp);
@@ -100,7 +100,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
     o[i] = ray.org[i] - Real(block.center[i]);
     od += o[i]*ray.dir[i];
     dd += ray.dir[i]*ray.dir[i];
-    distance = greater(distance,magnitude(o[i]));
+    distance = maximum(distance,magnitude(o[i]));
   }
   Real tref = -od/dd;
   Real O[4], D[4];
@@ -125,7 +125,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
   Real tauNear = ray.tnear-tref, tauFar = ray.tfar-tref;
   segment.startClipped = tauNear > inBox.lower;
   segment.endClipped = tauFar < inBox.upper;
-  Real tau0 = greater(tauNear,inBox.lower), tau1 = lesser(tauFar,inBox.upper);
+  Real tau0 = maximum(tauNear,inBox.lower), tau1 = minimum(tauFar,inBox.upper);
   segment.t0 = tref + tau0;
   segment.t1 = tref + tau1;
   segment.w0 = O[3] + tau0*D[3];
@@ -134,7 +134,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
   for (int k=0; k<3; k++) {
     segment.P0[k] = (O[k] + tau0*D[k])/segment.w0;
     segment.P1[k] = (O[k] + tau1*D[k])/segment.w1;
-    segment.epsilon[k] /= lesser(segment.w0,segment.w1);
+    segment.epsilon[k] /= minimum(segment.w0,segment.w1);
   }
   return segment;
 }
@@ -176,7 +176,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment,
 
 /*! True if a range of s overlaps [0,1]. */
 CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
-  return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
+  return maximum(range.lower,Real(0)) <= minimum(range.upper,Real(1));
 }
 
 CBVH_END

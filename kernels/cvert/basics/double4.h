@@ -17,9 +17,9 @@
 namespace cvert { inline namespace CVERT_ISA
 {
   /* The functions of language.h for templates on Real. Operands are swapped because min(b,a) is a < b ? a : b in each
-   * lane, as in lesser(a,b) of scalars, also for NaN and zeros. */
-  inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
-  inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
+   * lane, as in minimum(a,b) of scalars, also for NaN and zeros. */
+  inline Double4 minimum(Double4 a, Double4 b) { return min(b,a); }
+  inline Double4 maximum(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }
   inline Double4 product(Double4 a, Double4 b)
   {

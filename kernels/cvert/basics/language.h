@@ -89,8 +89,8 @@ CVERT_BEGIN
 
 /* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. Compilers may not
  * inline std::fmin and std::fmax. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
-CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
-CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real minimum (Real a, Real b) { return a < b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real maximum (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
@@ -106,8 +106,8 @@ uint bitsOfFloat (float f) { return floatBitsToUint(f); }
 float product (float a, float b) { precise float p = a*b; return p; }
 const float infinity = 1.0/0.0;
 #ifdef CBVH_FLOAT64
-double lesser (double a, double b) { return a < b ? a : b; }
-double greater (double a, double b) { return a > b ? a : b; }
+double minimum (double a, double b) { return a < b ? a : b; }
+double maximum (double a, double b) { return a > b ? a : b; }
 double magnitude (double a) { return a < 0.0 ? -a : a; }
 double product (double a, double b) { precise double p = a*b; return p; }
 #endif

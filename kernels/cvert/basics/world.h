@@ -16,10 +16,6 @@ namespace cvert { inline namespace CVERT_ISA
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
   }
 
-  /* Used instead of std::fmin and std::fmax, which compile to function calls. The operands must not be NaN. */
-  inline double minimum(double a, double b) { return a < b ? a : b; }
-  inline double maximum(double a, double b) { return a > b ? a : b; }
-
   struct Double3
   {
     double x, y, z;

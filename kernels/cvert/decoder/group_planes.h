@@ -30,8 +30,8 @@ CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t info, 
     c = c + s*float(c01[k]) + t*float(c01[l]);
     d = d + s*float(c11[k]) + t*float(c11[l]);
   }
-  float least = CVERT_AS_FLOAT(lesser)(CVERT_AS_FLOAT(lesser)(a,b),CVERT_AS_FLOAT(lesser)(c,d));
-  float greatest = CVERT_AS_FLOAT(greater)(CVERT_AS_FLOAT(greater)(a,b),CVERT_AS_FLOAT(greater)(c,d));
+  float least = CVERT_AS_FLOAT(minimum)(CVERT_AS_FLOAT(minimum)(a,b),CVERT_AS_FLOAT(minimum)(c,d));
+  float greatest = CVERT_AS_FLOAT(maximum)(CVERT_AS_FLOAT(maximum)(a,b),CVERT_AS_FLOAT(maximum)(c,d));
   uint32_t shift = marginShift(info,axis);
   float origin = axis == m ? 0.0f : step.origin[axis], spacing = step.spacing.at[axis];
   BoxPlanes planes;

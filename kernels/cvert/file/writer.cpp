@@ -39,8 +39,8 @@ namespace cvert
       if (!DecodedBlock(block,step).bounds(lower,upper)) continue;
       hasFiniteVertex = true;
       for (int k=0; k<3; k++) {
-        record.lower[k] = lesser(lower[k],record.lower[k]);
-        record.upper[k] = greater(upper[k],record.upper[k]);
+        record.lower[k] = minimum(lower[k],record.lower[k]);
+        record.upper[k] = maximum(upper[k],record.upper[k]);
         if (!moves) { entry.lower[k] = lower[k]; entry.upper[k] = upper[k]; }
       }
     }

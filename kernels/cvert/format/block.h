@@ -226,7 +226,7 @@ CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint
  *  so no vertex is farther than the sum of the bounds; margins may double this. One bound for all axes, because the
  *  shear of a ray mixes their rounding errors. */
 CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
-  return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
+  return 2.0f*(maximum(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
 CVERT_FUNCTION float vertExtent (uint32_t info, uint32_t encoded, uint32_t step, VertSpacing spacing) {

@@ -99,7 +99,7 @@ CVERT_FUNCTION ShearedBounds interpolateBounds (ShearedBounds a, ShearedBounds b
  *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b:
  *  origins of the steps. extent: the larger extentOfBounds of both. */
 CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
-  return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
+  return (maximum(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
 /*! Offsets of sections, in bytes from the start of the step. As in VertLayout. */

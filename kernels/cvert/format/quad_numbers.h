@@ -104,7 +104,7 @@ CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t numbering, bool
   if (!isTriangleNumbering(numbering)) return parameters;
   // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
-  float w0 = greater(1.0f-w1-w2,0.0f);
+  float w0 = maximum(1.0f-w1-w2,0.0f);
   uint32_t firstCorner = firstCornerOfTriangle(numbering,isSecond);
   parameters.u = firstCorner == 0u ? w1 : firstCorner == 1u ? w2 : w0;
   parameters.v = firstCorner == 0u ? w2 : firstCorner == 1u ? w0 : w1;

@@ -15,8 +15,8 @@ CVERT_BEGIN
  *  float) and 2^125. The result is normal and not 0: its product with any distance, also 0 or infinity, is a number. */
 CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
 {
-  Real least = greater(Real(1e-18f)*largest,Real(1.17549435e-38f));
-  Real size = lesser(greater(magnitude(d),least),Real(4.25352959e37f));
+  Real least = maximum(Real(1e-18f)*largest,Real(1.17549435e-38f));
+  Real size = minimum(maximum(magnitude(d),least),Real(4.25352959e37f));
   return Real(1.0f)/choose(d < Real(0.0f),-size,size);
 }
 

@@ -91,8 +91,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval
                                                             Real rcp)
 {
   Real a = lower*rcp, b = upper*rcp;
-  interval.from = greater(interval.from,lesser(a,b));
-  interval.to = lesser(interval.to,greater(b,a)); // with (a,b), compilers merge both lines into a branch
+  interval.from = maximum(interval.from,minimum(a,b));
+  interval.to = minimum(interval.to,maximum(b,a)); // with (a,b), compilers merge both lines into a branch
   return interval;
 }
 
@@ -117,7 +117,7 @@ CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 /*! True if the ray is on the same side of three edges, or on some of them. Never false if the ray passes through the
  *  triangle, but may be true if a side rounded to 0. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) mayContain (Real a, Real b, Real c) {
-  return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
+  return either(minimum(a,minimum(b,c)) >= Real(0.0f),maximum(a,maximum(b,c)) <= Real(0.0f));
 }
 
 /*! Sides of the three edges. Divided by their sum, they are the barycentric weights of the opposite vertices. */
@@ -137,12 +137,12 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! True if no side rounded to 0, for triangles that satisfy mayContain. lesser and greater are nested differently,
+/*! True if no side rounded to 0, for triangles that satisfy mayContain. minimum and maximum are nested differently,
  *  because compilers would otherwise generate a branch that is mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides) sides)
 {
-  return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
-                     greater(greater(sides.w0,sides.w1),sides.w2) < Real(0.0f)),
+  return both(either(Real(0.0f) < minimum(sides.w0,minimum(sides.w1,sides.w2)),
+                     maximum(maximum(sides.w0,sides.w1),sides.w2) < Real(0.0f)),
               magnitude(sides.sum) < Real(infinity));
 }
 
@@ -287,15 +287,15 @@ CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
-  Wide a = lesser(d0,lesser(d1,d2))/dir, b = greater(greater(d0,d1),d2)/dir;
+  Wide a = minimum(d0,minimum(d1,d2))/dir, b = maximum(maximum(d0,d1),d2)/dir;
   CVERT_OF_WIDE(TriangleSpan) span;
-  span.nearest = lesser(a,b);
-  span.farthest = greater(b,a);
+  span.nearest = minimum(a,b);
+  span.farthest = maximum(b,a);
   return span;
 }
 
 CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide t) {
-  return lesser(greater(t,span.nearest),span.farthest);
+  return minimum(maximum(t,span.nearest),span.farthest);
 }
 
 /*! True if the plane determines the distance: the ray does not lie in it, or the distance is within the triangle. */
@@ -322,7 +322,7 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle
     best = ee;
     Wide det = dd*ee - de*de;
     // position on the edge
-    Wide s = det > Wide(0.0f) ? lesser(greater((de*dw - dd*ew)/det,Wide(0.0f)),Wide(1.0f))
+    Wide s = det > Wide(0.0f) ? minimum(maximum((de*dw - dd*ew)/det,Wide(0.0f)),Wide(1.0f))
                               : Wide(0.0f);
     t = (dw + s*de)/dd;
   }
@@ -338,7 +338,7 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
   CVERT_OF_WIDE(PlaneIntersection) at = intersectPlane(triangle,normal,org,dir);
   if (CVERT_LIKELY(isPlaneDecisive(at,span))) return clampToSpan(span,at.t);
   Wide t = clampToSpan(span,distanceAtLongestEdge(triangle,org,dir));
-  return tnear <= span.farthest ? greater(t,tnear) : t;
+  return tnear <= span.farthest ? maximum(t,tnear) : t;
 }
 
 /* --- nearest hit --------------------------------------------------------------------- */
@@ -405,12 +405,12 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
 /*! Clamps to 0 to 1. NaN, of a sliver whose sides all rounded to 0, becomes 1/2: the diagonal's middle belongs to both
  *  triangles. */
 CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
-  return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
+  return choose(x >= Real(0.0f),minimum(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
 /*! Face parameter at position a (0 to 1) of quad x. quads: of the patch in this direction. corner: vertCornerU or V. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
-  return Real(0.5f*float(corner)) + greater((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
+  return Real(0.5f*float(corner)) + maximum((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
 }
 
 /* First quad of a group in the patch. lane: column + 4 row of the group in the block, its lane in SIMD code. */
@@ -457,8 +457,8 @@ CVERT_FUNCTION FaceParameters parametersAtStitchedEdge (uint32_t patchQuads, Ver
                                           i == 0u ? vertRate(edges,3) : i == quadsX ? vertRate(edges,1) : quadsY);
   }
   FaceParameters parameters;
-  parameters.u = 0.5f*float(vertCornerU(edges)) + greater(s,0.0f);
-  parameters.v = 0.5f*float(vertCornerV(edges)) + greater(t,0.0f);
+  parameters.u = 0.5f*float(vertCornerU(edges)) + maximum(s,0.0f);
+  parameters.v = 0.5f*float(vertCornerV(edges)) + maximum(t,0.0f);
   return parameters;
 }
 

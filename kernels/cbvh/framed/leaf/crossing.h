@@ -30,10 +30,10 @@ CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
   /* Solves saddle k^2 - b k - f0 = 0. The sum in q cannot cancel, and exactly one root is between 0 and 1. */
   Real b = f.f1-f.f0+f.saddle;
-  Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
+  Real d = squareRoot(maximum(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   if (q == Real(0)) return Real(0); // b, d and f0 are 0
-  Real k = -f.f0/q, clamped = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
+  Real k = -f.f0/q, clamped = k > Real(0) ? minimum(k,Real(1)) : Real(0); // a number even if k is NaN
   if (k == clamped || f.saddle == Real(0)) return clamped;
   /* rounding can move either root out of [0,1] */
   Real other = q/f.saddle, otherClamped = clampToUnit(other);
@@ -80,8 +80,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parab
     if (i == 2 && !hasVertex) continue;
     Real k = i == 0 ? k0 : i == 1 ? k1 : vertex;
     Real value = parabolaAt(f,k);
-    lowest = lesser(lowest,value);
-    highest = greater(highest,value);
+    lowest = minimum(lowest,value);
+    highest = maximum(highest,value);
     if (!inside && value <= lip.epsilon && value >= bottom) { inside = true; at.k = k; }
   }
   at.hit = lowest <= lip.epsilon && highest >= bottom;
@@ -124,8 +124,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
 {
   CVERT_OF(Crossing) x;
   CVERT_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
-  x.s0 = greater(inBox.lower,Real(0));
-  x.s1 = lesser(inBox.upper,Real(1));
+  x.s0 = maximum(inBox.lower,Real(0));
+  x.s1 = minimum(inBox.upper,Real(1));
   x.u0 = positionInBox(segment,leaf.box,0,x.s0);
   x.v0 = positionInBox(segment,leaf.box,1,x.s0);
   x.u1 = positionInBox(segment,leaf.box,0,x.s1);
@@ -150,7 +150,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   Real tolerance = Real(0.5f*leaf.thickness) + segment.epsilon[2];
   event.nearEntry = magnitude(x.f.f0) <= tolerance;
   event.near = event.changes
-    || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= tolerance + Real(0.25f)*magnitude(x.f.saddle);
+    || minimum(magnitude(x.f.f0),magnitude(x.f.f1)) <= tolerance + Real(0.25f)*magnitude(x.f.saddle);
   x.event = event;
   return x;
 }

@@ -173,12 +173,12 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   for (int c=0; c<4; c++) {
     int vertex = childCoordinate(child,0)+(c&1) + 3*(childCoordinate(child,1)+(c>>1));
     leaf.z[c] = heightInBins(bins,float(latticeHeight(heights,vertex)));
-    lowest = lesser(lowest,leaf.z[c]);
-    highest = greater(highest,leaf.z[c]);
+    lowest = minimum(lowest,leaf.z[c]);
+    highest = maximum(highest,leaf.z[c]);
   }
   /* a bilinear patch stays between its corners */
-  float lower = greater(lowest-0.5f*leaf.thickness,parent.lower[2]);
-  float upper = lesser(highest+0.5f*leaf.thickness,upperOf(parent,2));
+  float lower = maximum(lowest-0.5f*leaf.thickness,parent.lower[2]);
+  float upper = minimum(highest+0.5f*leaf.thickness,upperOf(parent,2));
   leaf.box.lower[2] = lower;
   leaf.box.extent[2] = upper > lower ? upper-lower : 0.0f;
   return leaf;
