@@ -89,7 +89,7 @@ long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1]
 // positions stay equal.
 void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 {
-  const long double most = exponent == exactLattice ? 0 : std::ldexp(0.5L, exponent);
+  const long double most = exponent == losslessExponent ? 0 : std::ldexp(0.5L, exponent);
   std::map<Point, Point> placeOf;
   size_t count = 0;
   for (uint32_t i = 0; i < mesh.triangles.size(); i++) {
@@ -137,7 +137,7 @@ Mesh torus(Random& random, uint32_t n, double noise)
 TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
 {
   Random random(seed);
-  for (int exponent : {-14, -10, -7, exactLattice})
+  for (int exponent : {-14, -10, -7, losslessExponent})
     for (bool welded : {true, false}) {
       Mesh mesh = torus(random, 60, 0.01);
       if (!welded) mesh.unweld();
@@ -155,7 +155,7 @@ TEST(MeshSource, RobustTrianglesDoNotFlip)
   size_t robust = 0;
   for (int i = 0; i < 300000; i++) {
     const int exponent = std::vector<int>{-100, -40, -8, 0, 40}[i % 5];
-    const MeshLattice lattice(i % 7 == 0 ? exactLattice : exponent);
+    const MeshLattice lattice(i % 7 == 0 ? losslessExponent : exponent);
     const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0
       : random.magnitude(1, 1e7);
     double axis[2][3], origin[3];
@@ -234,7 +234,7 @@ TEST(MeshSource, LosslessIsBitExact)
 {
   Random random(seed + 2);
   const Mesh mesh = torus(random, 100, 0.02);
-  const Stored stored(mesh, exactLattice);
+  const Stored stored(mesh, losslessExponent);
   ASSERT_EQ(stored.triangles.size(), mesh.triangles.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); i++)
     for (int c = 0; c < 3; c++)
@@ -267,7 +267,7 @@ TEST(MeshSource, AllScalesAreSupported)
       Mesh mesh = torus(random, 24, 0.01);
       for (Point& p : mesh.points)
         for (float& x : p) x *= scale;
-      const int exponent = lattice ? latticeExponent(0.1*scale/2048) : exactLattice;
+      const int exponent = lattice ? latticeExponent(0.1*scale/2048) : losslessExponent;
       const Stored stored(mesh, exponent);
       expectStored(mesh, stored, exponent);
       EXPECT_EQ(stored.triangles.size(), 1152u);
@@ -282,7 +282,7 @@ TEST(MeshSource, BytesPerTriangleStaySmall)
   const double triangles = double(mesh.triangles.size()), edge = 2*M_PI*3/160;
   EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 16).report.statistics.bytes)/triangles, 6.5);
   EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 32).report.statistics.bytes)/triangles, 6.3);
-  EXPECT_LT(double(Stored(mesh, exactLattice, 16).report.statistics.bytes)/triangles, 8.8);
+  EXPECT_LT(double(Stored(mesh, losslessExponent, 16).report.statistics.bytes)/triangles, 8.8);
 }
 
 // A cluster, with the number of its groups' last triangle plus 1.

@@ -28,7 +28,7 @@ TEST(PortableBytes, PlainCodeMatchesVectorCode)
                    numSteps = random.chance(0.3) ? 2 + random.below(3) : 1;
     const double roughness = std::exp2(random.uniform(-12, 2)),
                  far = random.chance(0.3) ? std::exp2(random.uniform(0, 60)) : 0;
-    const int exponent = random.chance(0.2) ? cvert::exactLattice : int(random.below(24)) - 20;
+    const int exponent = random.chance(0.2) ? cvert::losslessExponent : int(random.below(24)) - 20;
     double slopes[3][2], bend[3];
     for (int k = 0; k < 3; k++) {
       for (double& slope : slopes[k]) slope = random.uniform(-1, 1);

@@ -498,7 +498,7 @@ TEST(WorldLattice, VerticesMoveByAtMostHalfASpacing)
 
 TEST(WorldLattice, ExactVerticesDoNotMove)
 {
-  for (float x : {0.1f, 1e-30f, -3e-38f, 1e30f, INFINITY}) EXPECT_EQ(WorldLattice(exactLattice).snap(x), x);
+  for (float x : {0.1f, 1e-30f, -3e-38f, 1e30f, INFINITY}) EXPECT_EQ(WorldLattice(losslessExponent).snap(x), x);
 }
 
 // The same as stitch() of upstream's tessellation.h, which determines GRID's vertices.

@@ -54,7 +54,7 @@ namespace embree
       /*! Returns the exponent of the lattice's spacing. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
-        if (plan.isLossless()) return cbvh::exactLattice;
+        if (plan.isLossless()) return cbvh::losslessExponent;
         double spacing = 0; // of the shorter sides, because quads can be much longer than wide
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
@@ -111,7 +111,7 @@ namespace embree
       void chooseForPrimitives (Topology& topology, size_t perTask, const Progress& progress)
       {
         const size_t size = topology.size();
-        fill(own,size,int8_t(cbvh::exactLattice));
+        fill(own,size,int8_t(cbvh::losslessExponent));
         std::vector<double> diagonals;
         for (unsigned step=0; step<plan.numTimeSteps; step++) diagonals.push_back(diagonal(topology,step,perTask));
         MutexSys mutex;
@@ -145,7 +145,8 @@ namespace embree
       template<typename Topology, typename Progress>
       void chooseForShared (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
-        fill(shared,numElements,own.empty() ? int8_t(cbvh::exactLattice) : *std::min_element(own.begin(),own.end()));
+        fill(shared,numElements,
+             own.empty() ? int8_t(cbvh::losslessExponent) : *std::min_element(own.begin(),own.end()));
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
               topology.forEachShared(i,[&](size_t element, bool isTracedByGrid) {
@@ -159,14 +160,14 @@ namespace embree
 
       void clear () { own.clear(); shared.clear(); }
 
-      /*! Exponent of a primitive's lattice; exactLattice if the primitive has no vertices at that step. */
+      /*! Exponent of a primitive's lattice; losslessExponent if the primitive has no vertices at that step. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
-      /*! Exponent of an element's lattice; exactLattice if GRID traces one of its primitives. */
+      /*! Exponent of an element's lattice; losslessExponent if GRID traces one of its primitives. */
       int ofShared (size_t element, unsigned step) const
       {
         const int exponent = shared[element*plan.numTimeSteps + step];
-        return exponent == tracedByGrid ? cbvh::exactLattice : exponent;
+        return exponent == tracedByGrid ? cbvh::losslessExponent : exponent;
       }
 
     private:

@@ -72,14 +72,14 @@ namespace embree
         if (!table.isMarked(entry)) return SharedVertex(p,lattices.ofShared(entry,step));
         const cbvh::Double3 d = stitched.stored(entry,step);
         const float stored[3] = { float(d.x),float(d.y),float(d.z) };
-        return SharedVertex(stored,cbvh::exactLattice);
+        return SharedVertex(stored,cbvh::losslessExponent);
       }
 
       /*! See StoredBorders. Only for meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
-        const SharedVertex v = sharedVertex(vertex,cbvh::exactLattice,0);
+        const SharedVertex v = sharedVertex(vertex,cbvh::losslessExponent,0);
         const cbvh::WorldLattice common(v.exponent);
         for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
         return true;

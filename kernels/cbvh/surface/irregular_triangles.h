@@ -126,7 +126,7 @@ namespace embree
       {
         this->borders = borders;
         int exponent = chooseExponent();
-        while (flipsMost(exponent)) exponent = max(exponent-cbvh::MeshLattice::finerBits,cbvh::exactLattice);
+        while (flipsMost(exponent)) exponent = max(exponent-cbvh::MeshLattice::finerBits,cbvh::losslessExponent);
         spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
         for (unsigned step=0; step<plan.numTimeSteps; step++)
           lattices.emplace_back(new cbvh::MeshLattice(exponent));

@@ -39,7 +39,7 @@ namespace embree
     struct SharedVertex
     {
       float position[3]; //!< the owner's
-      int exponent;      //!< exponent of its lattice, or exactLattice
+      int exponent;      //!< exponent of its lattice, or losslessExponent
 
       SharedVertex () {}
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}

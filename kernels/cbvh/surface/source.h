@@ -35,7 +35,8 @@
  *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
  *       0 to rate.
  *   int latticeExponent (unsigned step) const
- *       Exponent of the lattice of the vertices that the patch does not share; exactLattice if they are not rounded.
+ *       Exponent of the lattice of the vertices that the patch does not share, or losslessExponent if they are not
+ *       rounded.
  *
  * SOURCE. A class with
  *

@@ -48,24 +48,24 @@ namespace cvert { inline namespace CVERT_ISA
     return std::min(median*spacingPerEdge,std::max(diagonal*spacingPerDiagonal,median*minSpacingPerEdge));
   }
 
-  /*! Floats of at least 2^floatBits spacings have no finer bits. */
-  static constexpr int floatBits = 23;
+  /*! Stored mantissa bits of a float. Floats of at least 2^floatMantissaBits spacings are multiples of the spacing. */
+  static constexpr int floatMantissaBits = 23;
 
   /*! Exponents of lattices. The reciprocals of these spacings are normal floats. */
   static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
-  /*! Means that vertices do not move. Less than all other exponents, because shared vertices use the coarsest lattice
-   *  of their faces. */
-  static constexpr int exactLattice = -126;
+  /*! Denotes that vertices are not rounded. Less than the exponents of all lattices, because shared vertices use the
+   *  coarsest lattice of their faces. */
+  static constexpr int losslessExponent = -126;
 
   struct WorldLattice
   {
-    float spacing;   //!< 0 for exactLattice
+    float spacing;   //!< 0 for losslessExponent
     float reciprocal, limit; //!< 1/spacing; floats of at least `limit` are lattice points
 
     explicit WorldLattice (int exponent)
-      : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
-        limit(exponent == exactLattice ? 0.0f : powerOfTwo(std::min(exponent+floatBits,127))) {}
+      : spacing(exponent == losslessExponent ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
+        limit(exponent == losslessExponent ? 0.0f : powerOfTwo(std::min(exponent+floatMantissaBits,127))) {}
 
     /*! exponent: -126 to 127. */
     static float powerOfTwo (int exponent) { return floatOfBits(uint32_t(exponent+127) << 23); }

@@ -24,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< of the lattice; exactLattice moves no vertex
+    int exponent = losslessExponent;  //!< of the lattice's spacing, or losslessExponent
     uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
     uint32_t surface = 0;         //!< surface number of the blocks (format/limits.h)
   };

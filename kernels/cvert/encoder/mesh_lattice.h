@@ -75,11 +75,11 @@ namespace cvert { inline namespace CVERT_ISA
     /*! A first exception's spacing is 2^finerBits times smaller; a second one does not move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice. */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or losslessExponent. */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
-        WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
-        WorldLattice(exactLattice) }, isExact(exponent == exactLattice)
+        WorldLattice(exponent == losslessExponent ? losslessExponent : std::max(exponent-finerBits,losslessExponent)),
+        WorldLattice(losslessExponent) }, isLossless(exponent == losslessExponent)
     {
       std::memset(filter,0,sizeof(filter));
     }
@@ -105,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
      *  Returns true for new exceptions: other triangles must then be checked again. */
     bool refine (const float a[3], const float b[3], const float c[3])
     {
-      if (isExact || isRobust(a,b,c)) return false;
+      if (isLossless || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
       if (isZero(own)) return false;
       bool changed = false;
@@ -124,7 +124,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! True if refine() changes vertices of the triangle. */
     bool flips (const float a[3], const float b[3], const float c[3]) const
     {
-      if (isExact || isRobust(a,b,c)) return false;
+      if (isLossless || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
       float p[3], q[3], r[3];
       snap(a,p); snap(b,q); snap(c,r);
@@ -175,7 +175,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     const WorldLattice lattices[3];
-    const bool isExact;
+    const bool isLossless;
     MeshExceptions exceptions;
     uint32_t filter[2048];     //!< bit i: an exception has i in the upper 16 bits of its hash; avoids look-ups
   };
