@@ -20,20 +20,20 @@ using embree::isa::cbvh::VertDecoder;
 void decode(const VertHeader* block)
 {
   const VertDecoder decoder(block);
-  auto boxes = std::make_unique<VertBoxes>();
-  decoder.decode(*boxes);
+  auto entry = std::make_unique<VertBlockEntry>();
+  decoder.decode(*entry);
   auto vertices = std::make_unique<CellVertices>();
   for (uint32_t lane = 0; lane < 16; lane++)
-    if (boxes->lanes >> lane & 1) decoder.vertices(*boxes, lane, *vertices);
+    if (entry->lanes >> lane & 1) decoder.vertices(*entry, lane, *vertices);
   if (!isMoving(block->info)) return;
   const MotionDecoder moving(block);
-  auto shared = std::make_unique<SegmentBoxes>();
+  auto segmentEntry = std::make_unique<VertSegmentEntry>();
   auto group = std::make_unique<SegmentVertices>();
   for (uint32_t segment = 0; segment + 1 < motionOf(block).numSteps; segment++) {
-    shared->key = {block, segment, 0};
-    moving.decode(segment, *shared);
+    segmentEntry->key = {block, segment, 0};
+    moving.decode(segment, *segmentEntry);
     for (uint32_t lane = 0; lane < 16; lane++)
-      if (shared->lanes >> lane & 1) moving.vertices(*shared, lane, *group);
+      if (segmentEntry->lanes >> lane & 1) moving.vertices(*segmentEntry, lane, *group);
   }
 }
 

@@ -78,23 +78,23 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
     const MeshHeader* const block = (const MeshHeader*)bytes;
     const MeshView view(block);
     const embree::isa::cbvh::MeshDecoder decoder(block);
-    auto boxes = std::make_unique<MeshBoxes>();
-    decoder.decode(*boxes);
-    ASSERT_EQ(boxes->lanes, (1u << view.groups) - 1);
+    auto entry = std::make_unique<MeshBlockEntry>();
+    decoder.decode(*entry);
+    ASSERT_EQ(entry->lanes, (1u << view.groups) - 1);
     for (uint32_t g = 0; g < view.groups; g++) {
       SCOPED_TRACE(testing::Message() << "block " << i << ", group " << g);
       const DecodedMeshGroup expected(view, g);
       MeshTriangles halves[2];
-      decoder.triangles(*boxes, g, 0, halves[0]);
+      decoder.triangles(*entry, g, 0, halves[0]);
       ASSERT_EQ(halves[0].hasNextHalf, expected.numTriangles > 16);
       if (halves[0].hasNextHalf) {
-        decoder.triangles(*boxes, g, 1, halves[1]);
+        decoder.triangles(*entry, g, 1, halves[1]);
         ASSERT_FALSE(halves[1].hasNextHalf);
         ASSERT_EQ(halves[1].lanes, 0xFFFFu >> (32 - expected.numTriangles));
       }
       ASSERT_EQ(halves[0].lanes, halves[0].hasNextHalf ? 0xFFFFu : 0xFFFFu >> (16 - expected.numTriangles));
       for (uint32_t t = 0; t < expected.numTriangles; t++) {
-        ASSERT_EQ(decoder.number(*boxes, g, t), expected.numbers[t]);
+        ASSERT_EQ(decoder.number(*entry, g, t), expected.numbers[t]);
         for (int c = 0; c < 3; c++) {
           double sheared = 0;
           for (int k = 0; k < 3; k++) {
@@ -102,15 +102,15 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
             const MeshTriangles& half = halves[t/16];
             ASSERT_EQ(half.vertices.at[k][half.corners[c][t%16]], x)
               << "triangle " << t << ", corner " << c << ", axis " << k;
-            ASSERT_LE(std::fabs(double(x) - boxes->origin[k]), boxes->extent[k]*(1 + 1e-6));
-            sheared += (double(x) - boxes->origin[k])*boxes->shear[k];
-            if (k == boxes->axis) continue;
-            ASSERT_LE(boxes->planes[k].at[0][g], x);
-            ASSERT_GE(boxes->planes[k].at[1][g], x);
+            ASSERT_LE(std::fabs(double(x) - entry->origin[k]), entry->extent[k]*(1 + 1e-6));
+            sheared += (double(x) - entry->origin[k])*entry->shear[k];
+            if (k == entry->shearedAxis) continue;
+            ASSERT_LE(entry->planes[k].at[0][g], x);
+            ASSERT_GE(entry->planes[k].at[1][g], x);
           }
-          if (boxes->axis == 3) continue;
-          ASSERT_LE(boxes->planes[boxes->axis].at[0][g], sheared);
-          ASSERT_GE(boxes->planes[boxes->axis].at[1][g], sheared);
+          if (entry->shearedAxis == 3) continue;
+          ASSERT_LE(entry->planes[entry->shearedAxis].at[0][g], sheared);
+          ASSERT_GE(entry->planes[entry->shearedAxis].at[1][g], sheared);
         }
       }
     }

@@ -25,11 +25,11 @@ using namespace embree::isa::cbvh;
 
 void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
 {
-  auto boxes = std::make_unique<SegmentMeshBoxes>();
+  auto entry = std::make_unique<MeshSegmentEntry>();
   auto group = std::make_unique<SegmentTriangles>();
   const MeshMotionDecoder decoder(block);
-  boxes->key = {block, segment, 0};
-  decoder.decode(segment, *boxes);
+  entry->key = {block, segment, 0};
+  decoder.decode(segment, *entry);
   const MeshView view(block);
   std::unique_ptr<DecodedMesh> ends[2];
   for (uint32_t e = 0; e < 2; e++) ends[e] = std::make_unique<DecodedMesh>(block, segment + e);
@@ -39,13 +39,13 @@ void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
   const MovingMeshBlock moving(vertRay, (const VertHeader*)block, TimeInMotion{segment, fraction});
   const GroupBoxes& now = moving.boxes();
   ASSERT_EQ(now.lanes, (1u << view.groups) - 1);
-  ASSERT_EQ(now.axis, 3);
+  ASSERT_EQ(now.shearedAxis, 3);
   for (uint32_t g = 0; g < view.groups; g++) {
     const uint32_t count = view.firstTriangle[g + 1] - view.firstTriangle[g];
     for (uint32_t t = 0; t < count; t++) {
       const uint32_t i = view.firstTriangle[g] + t, half = t >> 4, lane = t & 15;
       if (lane == 0) {
-        decoder.triangles(*boxes, g, half, *group);
+        decoder.triangles(*entry, g, half, *group);
         ASSERT_EQ(group->begin.lanes, (1u << std::min(16u, count - 16*half)) - 1);
         ASSERT_EQ(group->begin.hasNextHalf, half == 0 && count > 16);
       }

@@ -28,7 +28,7 @@ using namespace embree::isa::cbvh;
 bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
 {
   double c = p[k];
-  if (k == boxes.axis) {
+  if (k == boxes.shearedAxis) {
     c = 0;
     for (int a = 0; a < 3; a++) c += double(boxes.shear[a])*(double(p[a]) - boxes.origin[a]);
   }
@@ -39,7 +39,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
 {
   Random random(3161);
   auto encoder = std::make_unique<MotionEncoder>();
-  auto boxes = std::make_unique<SegmentBoxes>();
+  auto entry = std::make_unique<VertSegmentEntry>();
   auto group = std::make_unique<SegmentVertices>();
   size_t raw = 0, sheared = 0, turned = 0;
   for (int i = 0; i < 700; i++) {
@@ -49,20 +49,20 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
     turned += encoded.statistics.rotatedGroups;
     const uint32_t segment = random.below(uint32_t(sheet.steps.size()) - 1);
     const MotionDecoder decoder(block);
-    boxes->key = {block, segment, 0};
-    decoder.decode(segment, *boxes);
+    entry->key = {block, segment, 0};
+    decoder.decode(segment, *entry);
     const auto before = std::make_unique<DecodedBlock>(block, segment),
                after = std::make_unique<DecodedBlock>(block, segment + 1);
-    raw += boxes->axis == 3;
-    sheared += boxes->axis < 3 && boxes->shear[(boxes->axis + 1) % 3] != 0;
+    raw += entry->shearedAxis == 3;
+    sheared += entry->shearedAxis < 3 && entry->shear[(entry->shearedAxis + 1) % 3] != 0;
     const float fraction = i % 3 == 0 ? float(i % 2) : float(random.uniform());
     embree::cbvh::invalidateThreadCaches();
     const MovingVertBlock moving(block, TimeInMotion{segment, fraction});
     const GroupBoxes& now = moving.boxes();
-    ASSERT_EQ(now.lanes, boxes->lanes);
-    for (uint32_t rest = boxes->lanes; rest; rest &= rest - 1) {
+    ASSERT_EQ(now.lanes, entry->lanes);
+    for (uint32_t rest = entry->lanes; rest; rest &= rest - 1) {
       const uint32_t lane = uint32_t(__builtin_ctz(rest));
-      decoder.vertices(*boxes, lane, *group);
+      decoder.vertices(*entry, lane, *group);
       const CellVertices& atTime = moving.vertices(lane);
       for (uint32_t y = 0; y < 5; y++)
         for (uint32_t x = 0; x < 5; x++) {
@@ -70,7 +70,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
                          row = std::min(4*(lane >> 2) + y, sheet.quadsY);
           for (int e = 0; e < 2; e++)
             for (int k = 0; k < 3; k++) {
-              const float a = group->ends[e].at[k][laneOfVertex(x, y)],
+              const float a = group->vertices[e].at[k][laneOfVertex(x, y)],
                           b = (e ? *after : *before).vertex(column, row)[k];
               ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
                 << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane "

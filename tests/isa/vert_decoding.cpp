@@ -71,8 +71,8 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
     const auto expected = std::make_unique<DecodedBlock>(block);
     const VertLayout layout = vertLayout(place.region, place.info());
     const VertDecoder decoder(block);
-    VertBoxes boxes;
-    decoder.decode(boxes);
+    VertBlockEntry entry;
+    decoder.decode(entry);
     sheared += !statistics.raw && shearSlope(block->info, 1) != 0;
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
@@ -81,11 +81,11 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++) {
-        ASSERT_EQ(boxes.planes[k].at[0][lane], lower[k]);
-        ASSERT_EQ(boxes.planes[k].at[1][lane], upper[k]);
+        ASSERT_EQ(entry.planes[k].at[0][lane], lower[k]);
+        ASSERT_EQ(entry.planes[k].at[1][lane], upper[k]);
       }
       CellVertices group;
-      decoder.vertices(boxes, lane, group);
+      decoder.vertices(entry, lane, group);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
           const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX),
@@ -99,12 +99,12 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
           }
         }
     }
-    ASSERT_EQ(boxes.lanes, lanes) << quadsX << " x " << quadsY;
-    ASSERT_EQ(boxes.axis, statistics.raw ? 3 : shearedAxis(block->info));
+    ASSERT_EQ(entry.lanes, lanes) << quadsX << " x " << quadsY;
+    ASSERT_EQ(entry.shearedAxis, statistics.raw ? 3 : shearedAxis(block->info));
     for (int k = 0; k < 3; k++) {
-      ASSERT_EQ(boxes.origin[k], block->origin[k]);
-      const int i = (k - boxes.axis + 3) % 3; // the sheared axis, or the number of axes after it
-      ASSERT_EQ(boxes.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->info, i)/16.0f);
+      ASSERT_EQ(entry.origin[k], block->origin[k]);
+      const int i = (k - entry.shearedAxis + 3) % 3; // the sheared axis, or the number of axes after it
+      ASSERT_EQ(entry.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->info, i)/16.0f);
     }
   }
   EXPECT_GT(raw, 100u);

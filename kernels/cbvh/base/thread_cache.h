@@ -26,14 +26,14 @@ namespace embree
 
     extern std::atomic<unsigned> cacheGeneration; //!< incremented by invalidateThreadCaches()
 
-    /*! Callers must reduce the result to the number of entries. Multiplicative hashing by 2^32 divided by the golden
+    /*! Hash of an address, not reduced to a number of entries. Multiplicative hashing by 2^32 divided by the golden
      *  ratio (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! Like hashOfBlock, but consecutive `bytes` bytes have consecutive values, so that neighboring blocks never share
-     *  an entry. A hash shifts each range of 256 KiB: blocks at equal distances would share few entries. */
-    __forceinline size_t slotOfBlock (const void* block, size_t bytes) {
-      return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
+    /*! Locality-preserving hash: grows by 1 every `step` bytes, so that neighboring blocks never share an entry. A hash
+     *  of the address shifts each range of 256 KiB: blocks at equal distances would otherwise share few entries. */
+    __forceinline size_t localityHashOfBlock (const void* block, size_t step) {
+      return size_t(block)/step + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 
     /*! 1 if a core's second-level cache has at least 1 MiB, otherwise 0. Decoded blocks must fit into it, or they would
@@ -41,14 +41,15 @@ namespace embree
     extern const size_t largeCaches;
 
     /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries occupy no memory.
-     *  numExtra: entries after the last slot, for users that access several entries per slot. */
+     *  numExtra: further entries, for users that access consecutive entries from an index on. */
     template<typename Entry, size_t count, size_t numExtra = 0>
     struct CacheEntries
     {
-      static __forceinline size_t slot (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
+      /*! Index of the entry for a hash. */
+      static __forceinline size_t indexOf (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
       static __forceinline size_t size () { return count + largeCaches*count + numExtra; }
 
-      __forceinline Entry& operator[] (size_t slot) { return entries[slot]; }
+      __forceinline Entry& operator[] (size_t index) { return entries[index]; }
 
     private:
       Entry entries[2*count+numExtra];

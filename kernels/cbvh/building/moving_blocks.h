@@ -144,12 +144,12 @@ namespace embree
           {
             const unsigned segment = min(s,segments-1);
             cbvh::MotionDecoder decoder(block);
-            segmentBoxes.key = { block,segment,0 };
-            decoder.decode(segment,segmentBoxes);
+            segmentEntry.key = { block,segment,0 };
+            decoder.decode(segment,segmentEntry);
             Bounds bounds[2];
-            for (uint32_t rest=segmentBoxes.lanes; rest; rest&=rest-1) {
-              decoder.vertices(segmentBoxes,uint32_t(bsf(rest)),group);
-              for (unsigned e=0; e<2; e++) bounds[e].extend(group.ends[e]);
+            for (uint32_t rest=segmentEntry.lanes; rest; rest&=rest-1) {
+              decoder.vertices(segmentEntry,uint32_t(bsf(rest)),group);
+              for (unsigned e=0; e<2; e++) bounds[e].extend(group.vertices[e]);
             }
             for (unsigned e=0; e<2; e++)
               boxes[segment+e] = decoder.isRaw(segment+e) ? boundRaw(block,segment+e) : bounds[e].box();
@@ -190,7 +190,7 @@ namespace embree
           return box;
         }
 
-        cbvh::SegmentBoxes segmentBoxes;
+        cbvh::VertSegmentEntry segmentEntry;
         cbvh::SegmentVertices group;
       };
 

@@ -55,7 +55,7 @@ namespace embree
           return tile;
         }
 
-        /*! True if the slot still contains tile `number` of this block, and if grandchild `child` is decoded. */
+        /*! True if the entry still contains tile `number` of this block, and if grandchild `child` is decoded. */
         __forceinline bool isCached (const Tile& tile, uint32_t number) const {
           return tile.block == block && tile.number == number;
         }
@@ -88,7 +88,7 @@ namespace embree
         {
           if (level == firstLevel()) prefetchWords();
           if (level >= 0) {
-            const NodeBox box = boxOf(level,m); // may replace the tile in the same slot
+            const NodeBox box = boxOf(level,m); // may replace the tile in the same entry
             decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,tile.children,0);
           }
           tile.block = block;

@@ -35,7 +35,7 @@ namespace embree
       {
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
-        const void* block;            //!< null in an empty slot
+        const void* block;            //!< null in an empty entry
         uint32_t number;              //!< number of the tile in its block, see BlockTiles
         uint32_t decoded;             //!< mask of children whose children are decoded
         uint32_t present;             //!< mask of grandchildren that exist: all, except in tiles above the root
@@ -48,10 +48,12 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! Returns a slot. If its `block` or `number` differs, the caller must fill it and set both. */
-      __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
+      /*! If the entry's `block` or `number` differs, the caller must decode the tile into it and set both. */
+      __forceinline Tile& tile (const void* block, uint32_t number) {
+        return tiles[hashOfTile(block,number) % numTiles];
+      }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
-        return leafTiles[slot(block,number) % numLeafTiles];
+        return leafTiles[hashOfTile(block,number) % numLeafTiles];
       }
 
       void clear ()
@@ -63,7 +65,9 @@ namespace embree
     private:
       static const size_t numTiles = 64, numLeafTiles = 128;
 
-      static __forceinline size_t slot (const void* block, uint32_t number) { return hashOfBlock(block)*5 + number; }
+      static __forceinline size_t hashOfTile (const void* block, uint32_t number) {
+        return hashOfBlock(block)*5 + number;
+      }
 
       Tile tiles[numTiles];
       LeafTile leafTiles[numLeafTiles];

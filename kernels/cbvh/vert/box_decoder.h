@@ -35,10 +35,10 @@ namespace embree
       /*! Sets axis and shear. info: VertHeader::info. isSheared: false for raw blocks. */
       __forceinline void setShear (uint32_t info, bool isSheared, VertAxes& axes)
       {
-        axes.axis = likely(isSheared) ? shearedAxis(info) : 3;
+        axes.shearedAxis = likely(isSheared) ? shearedAxis(info) : 3;
         for (int k=0; k<3; k++) axes.shear[k] = 0.0f;
         if (likely(isSheared))
-          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = worldShear(info,i);
+          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.shearedAxis,i)] = worldShear(info,i);
       }
 
       /*! Sets `axes`. For a raw block, the caller must set the extent from the planes. */

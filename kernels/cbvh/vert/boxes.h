@@ -75,7 +75,7 @@ namespace embree
         Real tFar)
         -> decltype(tNear <= tFar)
       {
-        const int m = bounds.axis;
+        const int m = bounds.shearedAxis;
         RayInterval<Real> interval = { tNear,tFar };
         for (int i=0; i<2; i++)
         {
@@ -160,7 +160,7 @@ namespace embree
             out.slack[k] = motionSlack(ends[0].origin[k],ends[1].origin[k],extent);
             sheared += std::fabs(out.shear[k])*out.slack[k];
           }
-          out.slack[out.axis] = sheared;
+          out.slack[out.shearedAxis] = sheared;
         }
 
       private:

@@ -27,27 +27,31 @@ namespace embree
     /*! Axes of a block's boxes: the world's axes, but one may be sheared. */
     struct VertAxes
     {
-      int axis;        //!< the sheared axis; 3 for none, as in raw blocks
+      int shearedAxis; //!< 3 for none, as in raw blocks
       float origin[3]; //!< of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
       float shear[3];  //!< the sheared coordinate is the sum of shear[k]*(p[k]-origin[k])
     };
 
+    /*! Boxes of a block's groups. */
     struct GroupBoxes : public VertAxes
     {
       uint32_t lanes;        //!< mask of lanes with a group
       GroupPlanes planes[3]; //!< by axis
     };
 
-    /*! Data of a block that its groups share. In a raw block, words, fields and corners are undefined. */
-    struct VertBoxes : public GroupBoxes
+    /*! Entry of a block: the boxes of its groups, and what decoding their vertices requires. In a raw block, words,
+     *  fieldOffsets and corners are undefined. */
+    struct VertBlockEntry : public GroupBoxes
     {
-      uint32_t words[16];    //!< word of each group's cell
-      uint16_t fields[16];   //!< offset of each group's fields in the block
-      CellCoordinates corners; //!< corners of the groups
-      const void* block;     //!< block that the boxes belong to, or null
+      uint32_t words[16];        //!< word of each group's cell
+      uint16_t fieldOffsets[16]; //!< offset of each group's fields in the block
+      CellCoordinates corners;   //!< corners of the groups
+      const void* block;         //!< block that the entry belongs to, or null
     };
-    static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
+    /* 12: members occupy 760 bytes in this order. Every further cache line would add 16 or 32 KiB to a thread's cache,
+     * which the size of the second-level cache limits (traversal/thread_cache.cpp). */
+    static_assert(sizeof(VertBlockEntry) == 12*64,"VertBlockEntry must occupy exactly 12 cache lines");
 
     /*! Key of a group in the cache. Unique, because lane < 16 and blocks are aligned to 16 bytes. */
     __forceinline size_t keyOfGroup (const void* block, uint32_t lane) { return size_t(block) + lane; }
@@ -55,15 +59,21 @@ namespace embree
     class VertEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. 512: less than a full block, so
-       *  that neighboring blocks have different slots. */
-      __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
+      /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. 512: less
+       *  than a full block, so that neighboring blocks have different entries. */
+      __forceinline VertBlockEntry& blockEntry (const void* block) {
+        return blocks[blocks.indexOf(localityHashOfBlock(block,512))];
+      }
 
-      /*! First of the 16 slots of a block's groups. If a slot's key differs, the caller must fill the slot and set its
-       *  key. 32: 512 bytes per 16 groups. */
-      static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
-      __forceinline size_t& key (size_t slot) { return keys[slot]; }
-      __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
+      /*! Index of the entry of the group in lane 0; those of the other lanes follow. 32: 512 bytes per 16 groups. */
+      static __forceinline size_t firstGroupIndex (const void* block) {
+        return GroupVertices::indexOf(localityHashOfBlock(block,32));
+      }
+
+      /*! Key and vertices of the entry of a group. If the key differs from keyOfGroup, the caller must decode the group
+       *  into the entry and set the key. */
+      __forceinline size_t& groupKey (size_t index) { return keys[index]; }
+      __forceinline CellVertices& groupVertices (size_t index) { return vertices[index]; }
 
       void clear ()
       {
@@ -73,11 +83,11 @@ namespace embree
 
     private:
       static const size_t numGroups = 768; //!< limited by a core's cache, see traversal/thread_cache.cpp
-      typedef CacheEntries<CellVertices,numGroups,15> Groups;
+      typedef CacheEntries<CellVertices,numGroups,15> GroupVertices;
 
-      CacheEntries<VertBoxes,256> blocks;
-      CacheEntries<size_t,numGroups,15> keys;
-      Groups groups; //!< in world space
+      CacheEntries<VertBlockEntry,256> blocks;
+      CacheEntries<size_t,numGroups,15> keys; //!< of groups; apart from the vertices, which fill whole cache lines
+      GroupVertices vertices;                 //!< in world space
     };
 
     /* --- moving blocks --- */
@@ -96,41 +106,44 @@ namespace embree
     /*! Cells of a time step. */
     struct StepCells
     {
-      alignas(64) uint16_t fields[16]; //!< offset of each group's fields from the start of the step
-      uint32_t words[16];              //!< word of each group's cell
-      CellCoordinates corners;         //!< corners of the groups
+      alignas(64) uint16_t fieldOffsets[16]; //!< offset of each group's fields from the start of the step
+      uint32_t words[16];                    //!< word of each group's cell
+      CellCoordinates corners;               //!< corners of the groups
     };
 
-    /*! Data of a segment that its groups share. VertAxes::origin is unused. */
-    struct SegmentBoxes : public VertAxes
+    /*! Entry of a block in a segment. [e]: 0 for the begin and 1 for the end of the segment. VertAxes::origin is
+     *  unused. */
+    struct VertSegmentEntry : public VertAxes
     {
       uint32_t lanes;            //!< mask of lanes with a group
       SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< by end
-      GroupPlanes ends[2][3];    //!< by end and axis
-      StepCells steps[2];        //!< undefined for a raw step
+      float origins[2][3];       //!< [e][axis]
+      GroupPlanes planes[2][3];  //!< [e][axis]
+      StepCells steps[2];        //!< [e]; undefined for a raw step
     };
 
-    /*! Vertices of a group in world space, at the ends of a segment. */
+    /*! Entry of a group in a segment. */
     struct SegmentVertices
     {
       SegmentKey key;            //!< of the group
-      CellVertices ends[2];
+      CellVertices vertices[2];  //!< in world space, at the begin and the end of the segment
     };
 
-    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and of a group, with a SegmentKey `key`.
-     *  blockBytes, groupBytes: arguments of slotOfBlock. */
-    template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
+    /*! Cache of moving blocks. BlockEntry, GroupEntry: types of the entries, with a SegmentKey `key`. blockStep,
+     *  groupStep: arguments of localityHashOfBlock. */
+    template<typename BlockEntry, typename GroupEntry, size_t blockStep, size_t groupStep, size_t numBlocks,
+             size_t numGroups>
     class SegmentEntries
     {
     public:
-      /*! If the slot's key differs, the caller must fill the slot and set its key. */
-      __forceinline Boxes& slot (const void* block, uint32_t segment) {
-        return blocks[blocks.slot(slotOfBlock(block,blockBytes) + segment)];
+      /*! If the entry's key differs, the caller must decode the segment into the entry and set the key. */
+      __forceinline BlockEntry& blockEntry (const void* block, uint32_t segment) {
+        return blocks[blocks.indexOf(localityHashOfBlock(block,blockStep) + segment)];
       }
-      __forceinline Group& slot (const void* block, uint32_t segment, uint32_t lane) {
-        // 7: segments of a group have different slots
-        return groups[groups.slot(slotOfBlock(block,groupBytes) + lane + 7*segment)];
+      __forceinline GroupEntry& groupEntry (const void* block, uint32_t segment, uint32_t lane) {
+        // 7: the lanes of adjacent groups differ by 1, 3, 4 or 5. A group therefore does not share its entry with a
+        // neighbor in the next segment.
+        return groups[groups.indexOf(localityHashOfBlock(block,groupStep) + lane + 7*segment)];
       }
 
       void clear ()
@@ -140,12 +153,12 @@ namespace embree
       }
 
     private:
-      CacheEntries<Boxes,numBlocks> blocks;
-      CacheEntries<Group,numGroups> groups;
+      CacheEntries<BlockEntry,numBlocks> blocks;
+      CacheEntries<GroupEntry,numGroups> groups;
     };
 
     /* 323 is odd, so that blocks at distances of a power of two use all entries. */
-    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
+    typedef SegmentEntries<VertSegmentEntry,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;
     extern template class ThreadCache<VertEntries>;

@@ -22,11 +22,13 @@ namespace embree
         /*! ray: a VertRay or VertRays, after set(). */
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
-          : cache(*ray.cache), block(block), slot(cache.slot(block)),
-            groupSlots(VertCache::groupSlots(block)) {}
+          : cache(*ray.cache), block(block), entry(cache.blockEntry(block)),
+            firstGroupIndex(VertCache::firstGroupIndex(block)) {}
 
         /*! Returns the boxes of groups if they are in the cache, otherwise null. */
-        __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
+        __forceinline const GroupBoxes* decodedBoxes () const {
+          return likely(entry.block == block) ? &entry : nullptr;
+        }
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
          *  isValid(). */
@@ -38,40 +40,42 @@ namespace embree
         __forceinline bool isValid () const { return cbvh::isBlockValid(block,VERT_FORMAT); }
 
         /*! Returns the boxes of groups; decodes them if necessary. Requires isValid(). */
-        __forceinline const VertBoxes& boxes () const
+        __forceinline const GroupBoxes& boxes () const
         {
-          if (unlikely(slot.block != block)) decode();
-          return slot;
+          ensureDecoded();
+          return entry;
         }
 
         /*! Returns the vertices of a group in world space; decodes them if necessary. Requires isValid(). */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
-          const size_t slot = groupSlots + lane;
-          if (unlikely(cache.key(slot) != keyOfGroup(block,lane))) decode(lane,slot);
-          return cache.vertices(slot);
+          const size_t index = firstGroupIndex + lane;
+          if (unlikely(cache.groupKey(index) != keyOfGroup(block,lane))) decode(lane,index);
+          return cache.groupVertices(index);
         }
 
       private:
+        __forceinline void ensureDecoded () const { if (unlikely(entry.block != block)) decode(); }
+
         __noinline void decode () const
         {
           // 12 cache lines cover most blocks; offsets of groups are known too late to prefetch only their fields
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
-          slot.block = block;
-          VertDecoder(block).decode(slot);
+          entry.block = block;
+          VertDecoder(block).decode(entry);
         }
 
-        __noinline void decode (uint32_t lane, size_t slot) const
+        __noinline void decode (uint32_t lane, size_t index) const
         {
-          const VertBoxes& boxes = this->boxes();
-          cache.key(slot) = keyOfGroup(block,lane);
-          VertDecoder(block).vertices(boxes,lane,cache.vertices(slot));
+          ensureDecoded();
+          cache.groupKey(index) = keyOfGroup(block,lane);
+          VertDecoder(block).vertices(entry,lane,cache.groupVertices(index));
         }
 
         VertCache& cache;
         const VertHeader* block;
-        VertBoxes& slot;
-        const size_t groupSlots;
+        VertBlockEntry& entry;
+        const size_t firstGroupIndex; //!< index of the entry of the group in lane 0
       };
     }
   }

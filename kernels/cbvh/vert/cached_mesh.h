@@ -38,21 +38,23 @@ namespace embree
       public:
         template<typename RayOrRays>
         __forceinline CachedMeshBlock (const RayOrRays&, const VertHeader* block)
-          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
+          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), entry(cache.blockEntry(block)),
             halves(cache.halves(block)) {}
 
         /*! Boxes of groups if they are in the cache, otherwise null. */
-        __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
+        __forceinline const GroupBoxes* decodedBoxes () const {
+          return likely(entry.block == block) ? &entry : nullptr;
+        }
 
         /*! Always true: a mesh block has only the bounds of its leaf, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         __forceinline bool isValid () const { return cbvh::isBlockValid(block,MESH_FORMAT); }
 
-        __forceinline const MeshBoxes& boxes () const
+        __forceinline const GroupBoxes& boxes () const
         {
-          if (unlikely(slot.block != block)) decode();
-          return slot;
+          ensureDecoded();
+          return entry;
         }
 
         /*! Returns triangles 16 half to 16 half + 15 of group g; decodes them if necessary. half: 0, or 1 if half 0 has
@@ -65,28 +67,32 @@ namespace embree
         }
 
         /*! Primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
-        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->info,MeshDecoder(block).number(boxes(),g,t),w1,w2);
+        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
+        {
+          ensureDecoded();
+          return pointOfMesh(block->info,MeshDecoder(block).number(entry,g,t),w1,w2);
         }
 
       private:
+        __forceinline void ensureDecoded () const { if (unlikely(entry.block != block)) decode(); }
+
         __noinline void decode () const
         {
           for (int line=1; line<16; line++) prefetchL1((const char*)block + 64*line);
-          slot.block = block;
-          MeshDecoder(block).decode(slot);
+          entry.block = block;
+          MeshDecoder(block).decode(entry);
         }
 
         __noinline void decode (uint32_t g, uint32_t half, MeshTriangles& at) const
         {
-          const MeshBoxes& boxes = this->boxes();
+          ensureDecoded();
           at.key = keyOfHalf(block,16*half+g);
-          MeshDecoder(block).triangles(boxes,g,half,at);
+          MeshDecoder(block).triangles(entry,g,half,at);
         }
 
         MeshCache& cache;
         const MeshHeader* block;
-        MeshBoxes& slot;
+        MeshBlockEntry& entry;
         MeshTriangles* const halves;
       };
 

@@ -4,8 +4,8 @@
 #pragma once
 
 /* SIMD decoder of a cVERT block (cvert/format/block.h): first the data that groups share, then the vertices of one
- * group at a time, for cached_block.h. Vertices are the floats of the scalar reference, cvert/decoder/decoded_block.h.
- * */
+ * group at a time, for cached_block.h. Vertices are the same floats as in cvert/decoder/decoded_block.h, the scalar
+ * reference. */
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
@@ -19,9 +19,10 @@ namespace embree
     {
       /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each word. high: the next 8
        *  bits, or null if all are 0; 16 bytes may be read there. begin: offset of the first group's fields. words,
-       *  fields: output by lane. */
+       *  fieldOffsets: output by lane. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
-                                           const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
+                                           const VertLayout& layout, uint32_t words[16],
+                                           uint16_t fieldOffsets[16])
       {
         if (unlikely(layout.groups != maxVertGroups))
         {
@@ -32,7 +33,7 @@ namespace embree
             memcpy(&lower,low+2*g,sizeof(lower));
             const uint32_t lane = 4*(g/layout.groupsX) + g % layout.groupsX;
             words[lane] = uint32_t(lower) | (high ? uint32_t(high[g]) << 16 : 0u);
-            fields[lane] = uint16_t(at);
+            fieldOffsets[lane] = uint16_t(at);
             at += cellBytes(lower);
           }
           return;
@@ -55,7 +56,7 @@ namespace embree
           __m128i sum = _mm_add_epi16(size,_mm_slli_si128(size,2));
           sum = _mm_add_epi16(sum,_mm_slli_si128(sum,4));
           sum = _mm_add_epi16(sum,_mm_slli_si128(sum,8));
-          _mm_storeu_si128((__m128i*)(fields+8*half),_mm_add_epi16(before,_mm_sub_epi16(sum,size)));
+          _mm_storeu_si128((__m128i*)(fieldOffsets+8*half),_mm_add_epi16(before,_mm_sub_epi16(sum,size)));
           before = _mm_add_epi16(before,
             _mm_shuffle_epi32(_mm_shufflehi_epi16(sum,_MM_SHUFFLE(3,3,3,3)),_MM_SHUFFLE(3,3,3,3)));
         }
@@ -68,8 +69,8 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
-        /*! Decodes the data that groups share. Does not set out.block. */
-        __forceinline void decode (VertBoxes& out) const
+        /*! Decodes a block's entry, except for out.block. */
+        __forceinline void decode (VertBlockEntry& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
           setAxes(block,out);
@@ -83,21 +84,22 @@ namespace embree
           PlanesDecoder(block->info,(const uint8_t*)block + layout.margins,layout,spacing,
             block->origin).decode(corners,out.planes);
           decodeGroupWords(bytes(layout.words),bytes(layout.wordsHigh),layout.cell + cellBytes(block->word),layout,
-            out.words,out.fields);
+            out.words,out.fieldOffsets);
         }
 
-        /*! Decodes the vertices of the group in a lane, in world space. boxes: output of decode(). */
-        __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
+        /*! Decodes the vertices of the group in a lane, in world space. entry: output of decode(). */
+        __forceinline void vertices (const VertBlockEntry& entry, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
           if (unlikely(isRaw(block->info))) {
             copyVertices(bytes(layout.vertices),block->region,gx,gy,out);
             return;
           }
-          auto corner = [&](int c) { return coordinatesAt(boxes.corners.at[vertTables.corners[lane][c]]); };
+          auto corner = [&](int c) { return coordinatesAt(entry.corners.at[vertTables.corners[lane][c]]); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,CellWorldOutput{ out,spacing,block->origin });
+          decodeCell(entry.words[lane],bytes(entry.fieldOffsets[lane]),base,
+            CellWorldOutput{ out,spacing,block->origin });
           if (unlikely(hasRemainders(block->info)))
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
@@ -125,7 +127,7 @@ namespace embree
         __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
 
         /*! Copies the planes of a raw block on axis k, and sets the extent. */
-        void copyPlanes (int k, VertBoxes& out) const
+        void copyPlanes (int k, VertBlockEntry& out) const
         {
           const float* planes = (const float*)bytes(layout.boxes);
           float highest = block->origin[k];

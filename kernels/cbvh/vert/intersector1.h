@@ -56,7 +56,7 @@ namespace embree
             tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
           }
         };
-        const int m = boxes.axis;
+        const int m = boxes.shearedAxis;
         const RayInBoxes at(vertRay,boxes);
         for (int k=0; k<3; k++)
           if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.negativeAxes >> k) & 1u);

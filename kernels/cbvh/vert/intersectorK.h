@@ -45,8 +45,8 @@ namespace embree
               intersectsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }
-          const VertBoxes& boxes = cached.boxes();
-          if (likely(boxes.axis < 3)) {
+          const GroupBoxes& boxes = cached.boxes();
+          if (likely(boxes.shearedAxis < 3)) {
             sheared = ShearedRay<vfloat<K>>(vertRays,boxes);
             rayClass |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
           }
@@ -107,9 +107,9 @@ namespace embree
         void intersectTogether (uint32_t mask, uint32_t rayClass)
         {
           vbool<K> lanes = vbool<K>(int(mask));
-          const VertBoxes& boxes = cached.boxes();
+          const GroupBoxes& boxes = cached.boxes();
           for (int k=0; k<3; k++) {
-            if (k == boxes.axis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(rayClass & 32u) != 0);
+            if (k == boxes.shearedAxis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(rayClass & 32u) != 0);
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
               boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(rayClass >> (2+k)) & 1u);
           }
@@ -129,7 +129,7 @@ namespace embree
         }
 
         /*! Mask of groups whose boxes some ray may intersect. Sets `enter`. */
-        __forceinline uint32_t intersectBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
+        __forceinline uint32_t intersectBoxes (const vbool<K>& lanes, const GroupBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
             tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
@@ -147,7 +147,7 @@ namespace embree
         }
 
         /*! Returns the rays that intersect the box of group g. */
-        __forceinline vbool<K> intersectBox (const VertBoxes& boxes, uint32_t g) const
+        __forceinline vbool<K> intersectBox (const GroupBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
           for (int k=0; k<3; k++) {

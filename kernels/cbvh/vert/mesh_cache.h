@@ -14,10 +14,10 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Data of a block that its groups share: boxes, and where the groups' data begin. Group g is in lane g. */
-    struct MeshBoxes : public GroupBoxes
+    /*! Entry of a block: the boxes of its groups, and where the groups' data begin. Group g is in lane g. */
+    struct MeshBlockEntry : public GroupBoxes
     {
-      const void* block;             //!< block that the boxes belong to, or null
+      const void* block;             //!< block that the entry belongs to, or null
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections
       /* first bits of each group's data in the section */
       alignas(16) uint16_t topology[16];
@@ -58,12 +58,16 @@ namespace embree
     class MeshEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
-      __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
+      /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. */
+      __forceinline MeshBlockEntry& blockEntry (const void* block) {
+        return blocks[blocks.indexOf(localityHashOfBlock(block,1024))];
+      }
 
-      /*! The 32 slots of a block's halves, in the order of keyOfHalf. If a key differs, the caller must fill the slot
-       *  and set its key. */
-      __forceinline MeshTriangles* halves (const void* block) { return &groups[groups.slot(slotOfBlock(block,64))]; }
+      /*! The 32 entries of a block's halves, in the order of keyOfHalf. If a key differs, the caller must decode the
+       *  half into the entry and set the key. */
+      __forceinline MeshTriangles* halves (const void* block) {
+        return &groups[groups.indexOf(localityHashOfBlock(block,64))];
+      }
 
       void clear ()
       {
@@ -72,7 +76,7 @@ namespace embree
       }
 
     private:
-      CacheEntries<MeshBoxes,192> blocks;
+      CacheEntries<MeshBlockEntry,192> blocks;
       CacheEntries<MeshTriangles,704,31> groups;
     };
 
@@ -87,26 +91,26 @@ namespace embree
       uint32_t base[3][16];       //!< to add to fields, by axis and group
     };
 
-    /*! Data of a segment that groups share: boxes at both ends. No axis is sheared. */
-    struct SegmentMeshBoxes
+    /*! Entry of a block in a segment. [e]: 0 for the begin and 1 for the end of the segment. No axis is sheared. */
+    struct MeshSegmentEntry
     {
       SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< of the block
+      float origins[2][3];       //!< [e][axis]
       float extent[3];           //!< as VertAxes::extent, at all times
-      GroupPlanes ends[2][3];    //!< by end and axis
-      MeshStepFields steps[2];   //!< undefined for the block's first step
-      MeshBoxes first;           //!< where groups begin in the block, and boxes at the first step
+      GroupPlanes planes[2][3];  //!< [e][axis]
+      MeshStepFields steps[2];   //!< [e]; undefined for the block's first step
+      MeshBlockEntry first;           //!< where groups begin in the block, and boxes at the first step
     };
 
-    /*! Half a group, at the ends of a segment. */
+    /*! Entry of half a group in a segment. */
     struct SegmentTriangles
     {
       SegmentKey key;            //!< of the half; the lane is `half` of keyOfHalf
-      MeshTriangles begin;       //!< `key` is unused
-      MeshVertices end;          //!< the triangles are those of `begin`
+      MeshTriangles begin;       //!< triangles, and vertices at the begin of the segment; `key` is unused
+      MeshVertices end;          //!< vertices at the end of the segment
     };
 
-    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries;
+    typedef SegmentEntries<MeshSegmentEntry,SegmentTriangles,2048,128,112,256> MeshMotionEntries;
     typedef ThreadCache<MeshEntries> MeshCache;
     typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
     extern template class ThreadCache<MeshEntries>;

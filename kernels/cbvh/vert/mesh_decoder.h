@@ -27,8 +27,8 @@ namespace embree
       public:
         __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
 
-        /*! Decodes the data that groups share. Does not set out.block. */
-        __forceinline void decode (MeshBoxes& out) const
+        /*! Decodes a block's entry, except for out.block. */
+        __forceinline void decode (MeshBlockEntry& out) const
         {
           const uint32_t groups = meshGroups(block->counts);
           out.lanes = (1u << groups)-1;
@@ -37,8 +37,8 @@ namespace embree
           decodeGroupOffsets(groups,out);
         }
 
-        /*! Decodes half of group g. boxes: output of decode(). Does not set out.key. */
-        __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
+        /*! Decodes half of group g. entry: output of decode(). Does not set out.key. */
+        __forceinline void triangles (const MeshBlockEntry& entry, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
             vertexCount = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
@@ -47,7 +47,7 @@ namespace embree
           out.lanes = uint16_t(half ? lanes >> 16 : lanes);
           out.hasNextHalf = half == 0 && count > 16;
           out.numVertices = uint8_t(vertexCount);
-          BitReader at(block,boxes.topologyBegin+boxes.topology[g]);
+          BitReader at(block,entry.topologyBegin+entry.topology[g]);
           const uint32_t restarts = at.read(count-1) << 1, fans = at.read(count-1) << 1;
           uint64_t firstCorners = at.read(min(2*count,32u));
           if (unlikely(count > 16)) firstCorners |= uint64_t(at.read(2*count-32)) << 32;
@@ -56,7 +56,7 @@ namespace embree
           const uint32_t ownMask = at.read(vertexCount);
           BitReader repeats = at;
           at.skip((stream-vertexCount)*repeatBits);
-          decodeVertices(boxes,g,vertexCount,ownMask,at,out.vertices);
+          decodeVertices(entry,g,vertexCount,ownMask,at,out.vertices);
 #if defined(__AVX2__)
           if (likely(count <= 16 && stream <= 32 && stream-vertexCount <= 8)) {
             decodeStripsInParallel(restarts | 1,fans,uint32_t(firstCorners),uint32_t(newMask) << 3 | 7,repeats.peek(),
@@ -68,10 +68,10 @@ namespace embree
         }
 
         /*! Number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
-        __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
+        __forceinline uint32_t number (const MeshBlockEntry& entry, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
-          BitReader at(block,boxes.numbersBegin+boxes.numbers[g]);
+          BitReader at(block,entry.numbersBegin+entry.numbers[g]);
           const uint32_t base = at.read(baseBits);
           at.skip(t*bits);
           return block->primID + base + at.read(bits);
@@ -255,15 +255,15 @@ namespace embree
 
         /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
          *  on the others. If a ratio exceeds 2^maxRatio, no axis is sheared, and boxes are unbounded on that axis. */
-        __forceinline void setAxes (MeshBoxes& out) const
+        __forceinline void setAxes (MeshBlockEntry& out) const
         {
-          out.axis = 3;
+          out.shearedAxis = 3;
           for (int k=0; k<3; k++) { out.origin[k] = block->origin[k]; out.shear[k] = 0.0f; }
           if (likely(!isSheared())) return;
           const int m = int(meshShearedAxis(block->info));
           for (int i=1; i<3; i++)
             if (exponentRatio(m,i) < -maxRatio || exponentRatio(m,i) > maxRatio) return;
-          out.axis = m;
+          out.shearedAxis = m;
           out.shear[m] = 1.0f;
           for (int i=1; i<3; i++)
             out.shear[axisAfter(m,i)] = float(meshSlope(block->info,uint32_t(i)))*(1.0f/16.0f)
@@ -280,7 +280,7 @@ namespace embree
         }
 
         /*! Sets planes, lower coordinates and extents. */
-        __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
+        __forceinline void decodeBoxes (uint32_t groups, MeshBlockEntry& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
           float maxCoordinate[3];
@@ -313,12 +313,12 @@ namespace embree
             maxCoordinate[m] += std::fabs(float(meshSlope(block->info,uint32_t(i))))*(1.0f/16.0f)
               *maxCoordinate[axisAfter(m,i)];
           out.extent[m] = (maxCoordinate[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
-          if (unlikely(out.axis == 3))
+          if (unlikely(out.shearedAxis == 3))
             for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
         }
 
         /*! decodeBoxes on an axis of ranks (hasRanks). */
-        void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBoxes& out) const
+        void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBlockEntry& out) const
         {
           const uint32_t origin = rankOfFloat(block->origin[k]);
           out.extent[k] = 0.0f;
@@ -379,7 +379,7 @@ namespace embree
 
         /*! Sets where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h). All sums have less than 16
          *  bits. */
-        __forceinline void decodeGroupOffsets (uint32_t groups, MeshBoxes& out) const
+        __forceinline void decodeGroupOffsets (uint32_t groups, MeshBlockEntry& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
           const MeshLayout layout = meshLayout(block->counts);
@@ -443,38 +443,38 @@ namespace embree
         }
 
         /*! Group to which vertex v of the block belongs: the last that does not begin after it. */
-        static __forceinline uint32_t groupOfVertex (const MeshBoxes& boxes, uint32_t v)
+        static __forceinline uint32_t groupOfVertex (const MeshBlockEntry& entry, uint32_t v)
         {
-          const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)boxes.firstVertex;
+          const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)entry.firstVertex;
           const __m128i after = _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(first),vertex),
             _mm_cmpgt_epi16(_mm_load_si128(first+1),vertex));
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
         /*! Reads the coordinates of a vertex that belongs to group g. bit: first bit of its fields. i: output lane. */
-        __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
-                                       uint32_t i) const
+        __forceinline void readVertex (const MeshBlockEntry& entry, uint32_t g, uint32_t bit,
+                                       uint32_t (*coordinates)[32], uint32_t i) const
         {
           BitReader at(block,bit);
-          if (unlikely(boxes.fieldBits[3][g] > 57)) {
-            for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.read(boxes.fieldBits[k][g]);
+          if (unlikely(entry.fieldBits[3][g] > 57)) {
+            for (int k=0; k<3; k++) coordinates[k][i] = entry.lower[k][g] + at.read(entry.fieldBits[k][g]);
             return;
           }
           uint64_t fields = at.peek();
           for (int k=0; k<3; k++) {
-            const uint32_t bits = boxes.fieldBits[k][g];
-            coordinates[k][i] = boxes.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
+            const uint32_t bits = entry.fieldBits[k][g];
+            coordinates[k][i] = entry.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
             fields >>= bits;
           }
         }
 
         /*! Decodes the vertices of group g. ownMask: mask of its own. otherIndices: indices in the block of
          *  other groups' vertices. */
-        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t ownMask,
-                                           BitReader otherIndices, MeshVertices& out) const
+        __forceinline void decodeVertices (const MeshBlockEntry& entry, uint32_t g, uint32_t vertexCount,
+                                           uint32_t ownMask, BitReader otherIndices, MeshVertices& out) const
         {
           alignas(64) uint32_t coordinates[3][32];
-          readCoordinates(boxes,g,vertexCount,ownMask,otherIndices,coordinates);
+          readCoordinates(entry,g,vertexCount,ownMask,otherIndices,coordinates);
           if (isSheared()) unshear(vertexCount,coordinates);
           for (uint32_t k=0; k<3; k++)
           {
@@ -490,27 +490,28 @@ namespace embree
         }
 
         /*! Sets coordinates, before the shear is subtracted. Parameters: as above. */
-        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t vertexCount, uint32_t ownMask,
-                                            BitReader otherIndices, uint32_t (*coordinates)[32]) const
+        __forceinline void readCoordinates (const MeshBlockEntry& entry, uint32_t g, uint32_t vertexCount,
+                                            uint32_t ownMask, BitReader otherIndices,
+                                            uint32_t (*coordinates)[32]) const
         {
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
-          uint32_t first = boxes.firstVertex[g];
+          uint32_t first = entry.firstVertex[g];
 #if defined(__AVX2__)
-          const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)boxes.fieldBits[3]),_mm_set1_epi8(57));
-          if (likely((uint32_t(_mm_movemask_epi8(isWide)) & boxes.lanes) == 0)) {
-            readSixteen(boxes,first,vertexCount,ownMask,otherIndices,otherBits,coordinates,0);
+          const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)entry.fieldBits[3]),_mm_set1_epi8(57));
+          if (likely((uint32_t(_mm_movemask_epi8(isWide)) & entry.lanes) == 0)) {
+            readSixteen(entry,first,vertexCount,ownMask,otherIndices,otherBits,coordinates,0);
             if (likely(vertexCount <= 16)) return;
             const uint32_t owned = uint32_t(__builtin_popcount(ownMask & 0xFFFF));
             otherIndices.skip((16-owned)*otherBits);
-            readSixteen(boxes,first+owned,vertexCount-16,ownMask >> 16,otherIndices,otherBits,coordinates,16);
+            readSixteen(entry,first+owned,vertexCount-16,ownMask >> 16,otherIndices,otherBits,coordinates,16);
             return;
           }
 #endif
           for (uint32_t rest=ownMask; rest; rest&=rest-1, first++)
-            readVertex(boxes,g,boxes.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
+            readVertex(entry,g,entry.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
           for (uint32_t rest=~ownMask & ((1u << vertexCount)-1); rest; rest&=rest-1) {
-            const uint32_t v = otherIndices.read(otherBits), of = groupOfVertex(boxes,v);
-            readVertex(boxes,of,boxes.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+            const uint32_t v = otherIndices.read(otherBits), of = groupOfVertex(entry,v);
+            readVertex(entry,of,entry.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
 
@@ -570,9 +571,9 @@ namespace embree
 
         /*! readCoordinates for up to 16 vertices, if no group has more than 57 bits per vertex. first: index in the
          *  block of the first own vertex. n: first output lane. */
-        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t vertexCount, uint32_t ownMask,
-                                        BitReader otherIndices, uint32_t otherBits, uint32_t (*coordinates)[32],
-                                        uint32_t n) const
+        __forceinline void readSixteen (const MeshBlockEntry& entry, uint32_t first, uint32_t vertexCount,
+                                        uint32_t ownMask, BitReader otherIndices, uint32_t otherBits,
+                                        uint32_t (*coordinates)[32], uint32_t n) const
         {
           const uint32_t numOthers = uint32_t(__builtin_popcount(~ownMask & (0xFFFFu >> (16-min(vertexCount,16u)))));
           const __m128i isOwn = bytesOfBits(ownMask),
@@ -588,27 +589,27 @@ namespace embree
           // the group of each vertex: 15 minus the groups that begin after it
           __m256i groups = _mm256_set1_epi16(15);
           for (int g=1; g<16; g++)
-            groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(boxes.firstVertex[g])),vertex));
+            groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(entry.firstVertex[g])),vertex));
           const __m128i group = bytesOfWords(groups);
           auto ofGroup = [&](const void* bytes) {
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
           // see fieldBitOfVertex
-          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldBitOfVertex0),
+          const __m256i zeros = _mm256_load_si256((const __m256i*)entry.fieldBitOfVertex0),
             byte = _mm256_set1_epi16(255);
           const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
             zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
           const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
             _mm_shuffle_epi8(zerosUpper,group)),
-            _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(boxes.fieldBits[3]))));
+            _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(entry.fieldBits[3]))));
           alignas(32) uint16_t at[16];
           _mm256_store_si256((__m256i*)at,_mm256_srli_epi16(bit,3));
           alignas(16) uint8_t sizes[4][16]; // bits before the fields, and of each field
           _mm_store_si128((__m128i*)sizes[0],bytesOfWords(_mm256_and_si256(bit,_mm256_set1_epi16(7))));
-          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(boxes.fieldBits[k]));
+          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(entry.fieldBits[k]));
 
-          const uint8_t* const data = (const uint8_t*)block + boxes.verticesBegin/8;
+          const uint8_t* const data = (const uint8_t*)block + entry.verticesBegin/8;
           for (uint32_t i=0; i<vertexCount && i<16; i+=8)
           {
             __m256i halves[2][3];
@@ -638,7 +639,7 @@ namespace embree
                 _mm256_castsi256_ps(halves[0][k]),_mm256_castsi256_ps(halves[1][k]),_MM_SHUFFLE(2,0,2,0))),
                 _MM_SHUFFLE(3,1,2,0));
               _mm256_store_si256((__m256i*)(coordinates[k]+n+i),
-                _mm256_add_epi32(packed,PerGroup(boxes.lower[k]).at(of)));
+                _mm256_add_epi32(packed,PerGroup(entry.lower[k]).at(of)));
             }
           }
         }

@@ -22,8 +22,8 @@ namespace embree
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
           : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
 
-        /*! Decodes the data of a segment that groups share. Does not set out.key. */
-        void decode (uint32_t segment, SegmentMeshBoxes& out) const
+        /*! Decodes the entry of a block in a segment, except for out.key. */
+        void decode (uint32_t segment, MeshSegmentEntry& out) const
         {
           MeshDecoder::decode(out.first);
           for (int k=0; k<3; k++) out.extent[k] = 0.0f;
@@ -32,7 +32,7 @@ namespace embree
             const MeshStep* const step = segment+e ? meshStepOf(block,segment+e) : nullptr;
             for (uint32_t k=0; k<3; k++) {
               out.origins[e][k] = step ? step->origin[k] : block->origin[k];
-              setPlanes(k,step,out.origins[e][k],out.ends[e][k],out.extent[k]);
+              setPlanes(k,step,out.origins[e][k],out.planes[e][k],out.extent[k]);
             }
             if (step) decodeFields(*step,out.steps[e]);
           }
@@ -40,21 +40,21 @@ namespace embree
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
         }
 
-        /*! Decodes half of group g at both ends. boxes: output of decode(), with `key` set. Does not set out.key. */
-        void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
+        /*! Decodes half of group g at both ends. entry: output of decode(), with `key` set. Does not set out.key. */
+        void triangles (const MeshSegmentEntry& entry, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
-          MeshDecoder::triangles(boxes.first,g,half,out.begin);
+          MeshDecoder::triangles(entry.first,g,half,out.begin);
           VertexOwners owners;
-          findOwners(boxes.first,g,owners);
-          const uint32_t segment = boxes.key.segment;
+          findOwners(entry.first,g,owners);
+          const uint32_t segment = entry.key.segment;
           const MeshVertices first = out.begin.vertices;
-          if (segment > 0) decodeStep(*meshStepOf(block,segment),boxes.steps[0],first,owners,out.begin.vertices);
-          decodeStep(*meshStepOf(block,segment+1),boxes.steps[1],first,owners,out.end);
+          if (segment > 0) decodeStep(*meshStepOf(block,segment),entry.steps[0],first,owners,out.begin.vertices);
+          decodeStep(*meshStepOf(block,segment+1),entry.steps[1],first,owners,out.end);
         }
 
         /*! See MeshDecoder::number. */
-        uint32_t number (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t t) const {
-          return MeshDecoder::number(boxes.first,g,t);
+        uint32_t number (const MeshSegmentEntry& entry, uint32_t g, uint32_t t) const {
+          return MeshDecoder::number(entry.first,g,t);
         }
 
       private:
@@ -148,22 +148,22 @@ namespace embree
           uint8_t group[32], index[32];
         };
 
-        void findOwners (const MeshBoxes& boxes, uint32_t g, VertexOwners& out) const
+        void findOwners (const MeshBlockEntry& entry, uint32_t g, VertexOwners& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g),
             vertexCount = groupVertices(record);
           const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
-          const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
-          const uint32_t begin = boxes.topology[g], ownMask = meshBitsAt(data,begin+at.ownMask,vertexCount);
+          const uint8_t* const data = (const uint8_t*)block + entry.topologyBegin/8;
+          const uint32_t begin = entry.topology[g], ownMask = meshBitsAt(data,begin+at.ownMask,vertexCount);
           out.numVertices = vertexCount;
           for (uint32_t i=0, own=0, other=0; i<vertexCount; i++)
           {
             if ((ownMask >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
             const uint32_t v = meshBitsAt(data,begin + at.otherIndices + at.otherBits*other++,at.otherBits);
             uint32_t owner = 0;
-            while (owner+1 < groups && v >= boxes.firstVertex[owner+1]) owner++;
+            while (owner+1 < groups && v >= entry.firstVertex[owner+1]) owner++;
             out.group[i] = uint8_t(owner);
-            out.index[i] = uint8_t(v-boxes.firstVertex[owner]);
+            out.index[i] = uint8_t(v-entry.firstVertex[owner]);
           }
         }
 

@@ -62,8 +62,8 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes the data of a segment that groups share. Requires out.key. */
-        void decode (uint32_t segment, SegmentBoxes& out) const
+        /*! Decodes the entry of a block in a segment. Requires out.key. */
+        void decode (uint32_t segment, VertSegmentEntry& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
           const StepView steps[2] = { viewOfStep(block,layout,segment),viewOfStep(block,layout,segment+1) };
@@ -82,11 +82,11 @@ namespace embree
             VertDecoder::pack(corners,out.steps[e].corners);
             const uint8_t* const high = step.hasHighBits ? step.data+step.wordsHigh : nullptr;
             decodeGroupWords(step.data+step.words,high,step.cell + cellBytes(step.word),layout,out.steps[e].words,
-                             out.steps[e].fields);
+                             out.steps[e].fieldOffsets);
             if (unlikely(!isSheared)) continue;
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
             const PlanesDecoder planes(steps[0].info,steps[0].data+steps[0].margins,layout,spacing,step.origin);
-            planes.decode(corners,out.ends[e]);
+            planes.decode(corners,out.planes[e]);
           }
           if (likely(isSheared)) widenSheared(out);
           else boxesOfVertices(out);
@@ -97,35 +97,35 @@ namespace embree
           return cbvh::isRaw(step == 0 ? block->info : stepOf(block,step)->info);
         }
 
-        /*! Decodes the vertices of the group in a lane at both ends, in world space. boxes: output of decode(). */
-        void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
+        /*! Decodes the vertices of the group in a lane at both ends, in world space. entry: output of decode(). */
+        void vertices (const VertSegmentEntry& entry, uint32_t lane, SegmentVertices& out) const
         {
           CellVertices first; // residuals of the first step, for a rotated group
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
-            const StepView step = viewOfStep(block,layout,boxes.key.segment+e);
+            const StepView step = viewOfStep(block,layout,entry.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
             if (unlikely(cvert::isRaw(step.info))) {
-              copyVertices(step.data+step.vertices,block->region,gx,gy,out.ends[e]);
+              copyVertices(step.data+step.vertices,block->region,gx,gy,out.vertices[e]);
               continue;
             }
-            const StepCells& cells = boxes.steps[e];
+            const StepCells& cells = entry.steps[e];
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
-            const CellWorldOutput world = { out.ends[e],spacing,step.origin };
-            const uint8_t* fields = step.data + cells.fields[lane];
+            const CellWorldOutput world = { out.vertices[e],spacing,step.origin };
+            const uint8_t* fields = step.data + cells.fieldOffsets[lane];
             const bool isRotated = isGroupRotated(step,gy*layout.groupsX+gx);
             if (isRotated && !hasFirst) {
-              residualsOfFirst(boxes,lane,first);
+              residualsOfFirst(entry,lane,first);
               hasFirst = true;
             }
             if (isRotated) decodeCell(cells.words[lane],fields,RotatedBase(base,laterStepOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
             if (unlikely(step.remainders != 0))
-              addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
+              addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.vertices[e]);
           }
         }
 
@@ -152,10 +152,10 @@ namespace embree
         }
 
         /*! Decodes a group's residuals at the first step. */
-        void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
+        void residualsOfFirst (const VertSegmentEntry& entry, uint32_t lane, CellVertices& out) const
         {
-          if (boxes.key.segment == 0) {
-            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],ZeroBase(),
+          if (entry.key.segment == 0) {
+            decodeCell(entry.steps[0].words[lane],(const uint8_t*)block + entry.steps[0].fieldOffsets[lane],ZeroBase(),
               CellLatticeOutput{ out });
             return;
           }
@@ -165,7 +165,7 @@ namespace embree
         }
 
         /*! Moves sheared planes outward, because interpolation rounds the origin, to which they are relative. */
-        static void widenSheared (SegmentBoxes& out)
+        static void widenSheared (VertSegmentEntry& out)
         {
           float sheared = 0.0f;
           for (int k=0; k<3; k++)
@@ -173,14 +173,14 @@ namespace embree
           const vfloatV slack(sheared);
           for (int e=0; e<2; e++)
             for (int l=0; l<16; l+=vectorWidth) {
-              float (*at)[16] = out.ends[e][out.axis].at;
+              float (*at)[16] = out.planes[e][out.shearedAxis].at;
               vfloatV::store(at[0]+l,vfloatV::load(at[0]+l)-slack);
               vfloatV::store(at[1]+l,vfloatV::load(at[1]+l)+slack);
             }
         }
 
         /*! Sets boxes of a segment with a raw end, which has no margins, from vertices. Requires out.steps. */
-        __noinline void boxesOfVertices (SegmentBoxes& out) const
+        __noinline void boxesOfVertices (VertSegmentEntry& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)
           {
@@ -192,14 +192,15 @@ namespace embree
               float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
               for (int v=0; v<cellVertices; v++)
               {
-                const float p[3] = { group.ends[end].at[0][v],group.ends[end].at[1][v],group.ends[end].at[2][v] };
+                const float (&at)[3][VertTables::lanes] = group.vertices[end].at;
+                const float p[3] = { at[0][v],at[1][v],at[2][v] };
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
               if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad is finite at both ends
               for (int k=0; k<3; k++) {
-                out.ends[end][k].at[0][l] = lower[k];
-                out.ends[end][k].at[1][l] = upper[k];
+                out.planes[end][k].at[0][l] = lower[k];
+                out.planes[end][k].at[1][l] = upper[k];
                 out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
               }
             }

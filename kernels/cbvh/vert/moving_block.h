@@ -31,7 +31,7 @@ namespace embree
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
-          return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
+          return likely(cache.blockEntry(block,segment).key == key) ? &boxes() : nullptr;
         }
 
         /*! Always true: loading a file checks its moving blocks. */
@@ -51,18 +51,18 @@ namespace embree
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return boxesAtTime;
-          const SegmentBoxes& stored = segmentBoxes();
-          boxesAtTime.axis = stored.axis;
-          boxesAtTime.lanes = stored.lanes;
+          const VertSegmentEntry& entry = segmentEntry();
+          boxesAtTime.shearedAxis = entry.shearedAxis;
+          boxesAtTime.lanes = entry.lanes;
           for (int k=0; k<3; k++) {
-            boxesAtTime.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
-            boxesAtTime.extent[k] = stored.extent[k];
-            boxesAtTime.shear[k] = stored.shear[k];
+            boxesAtTime.origin[k] = (1.0f-fraction)*entry.origins[0][k] + fraction*entry.origins[1][k];
+            boxesAtTime.extent[k] = entry.extent[k];
+            boxesAtTime.shear[k] = entry.shear[k];
           }
           const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
-              interpolator.interpolate(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,
+              interpolator.interpolate(entry.planes[0][k].at[side],entry.planes[1][k].at[side],16,
                                        boxesAtTime.planes[k].at[side]);
           isInterpolated = true;
           return boxesAtTime;
@@ -77,36 +77,37 @@ namespace embree
         }
 
       private:
-        __forceinline const SegmentBoxes& segmentBoxes () const
+        __forceinline const VertSegmentEntry& segmentEntry () const
         {
-          SegmentBoxes& slot = cache.slot(block,segment);
+          VertSegmentEntry& entry = cache.blockEntry(block,segment);
           const SegmentKey key = { block,segment,0 };
-          if (unlikely(!(slot.key == key))) decode(slot);
-          return slot;
+          if (unlikely(!(entry.key == key))) decode(entry);
+          return entry;
         }
 
-        __noinline void decode (SegmentBoxes& slot) const
+        __noinline void decode (VertSegmentEntry& entry) const
         {
-          slot.key = { block,segment,0 };
-          MotionDecoder(block).decode(segment,slot);
+          entry.key = { block,segment,0 };
+          MotionDecoder(block).decode(segment,entry);
         }
 
-        __noinline void decode (uint32_t lane, SegmentVertices& slot) const
+        __noinline void decode (uint32_t lane, SegmentVertices& entry) const
         {
-          const SegmentBoxes& boxes = segmentBoxes();
-          slot.key = { block,segment,lane };
-          MotionDecoder(block).vertices(boxes,lane,slot);
+          const VertSegmentEntry& blockEntry = segmentEntry();
+          entry.key = { block,segment,lane };
+          MotionDecoder(block).vertices(blockEntry,lane,entry);
         }
 
         __forceinline void interpolate (uint32_t lane) const
         {
           this->lane = lane;
-          SegmentVertices& slot = cache.slot(block,segment,lane);
+          SegmentVertices& entry = cache.groupEntry(block,segment,lane);
           const SegmentKey key = { block,segment,lane };
-          if (unlikely(!(slot.key == key))) decode(lane,slot);
+          if (unlikely(!(entry.key == key))) decode(lane,entry);
           const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
-            interpolator.interpolate(slot.ends[0].at[k],slot.ends[1].at[k],cellVectors*vectorWidth,laneVertices.at[k]);
+            interpolator.interpolate(entry.vertices[0].at[k],entry.vertices[1].at[k],cellVectors*vectorWidth,
+                                     laneVertices.at[k]);
         }
 
         MotionCache& cache;

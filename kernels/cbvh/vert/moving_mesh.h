@@ -30,7 +30,7 @@ namespace embree
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
-          return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
+          return likely(cache.blockEntry(block,segment).key == key) ? &boxes() : nullptr;
         }
 
         /*! Always true: loading a file checks its moving blocks. */
@@ -43,18 +43,18 @@ namespace embree
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return boxesAtTime;
-          const SegmentMeshBoxes& stored = segmentBoxes();
-          boxesAtTime.axis = 3;
-          boxesAtTime.lanes = stored.first.lanes;
+          const MeshSegmentEntry& entry = segmentEntry();
+          boxesAtTime.shearedAxis = 3;
+          boxesAtTime.lanes = entry.first.lanes;
           for (int k=0; k<3; k++) {
-            boxesAtTime.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
-            boxesAtTime.extent[k] = stored.extent[k];
+            boxesAtTime.origin[k] = (1.0f-fraction)*entry.origins[0][k] + fraction*entry.origins[1][k];
+            boxesAtTime.extent[k] = entry.extent[k];
             boxesAtTime.shear[k] = 0.0f;
           }
           const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
-              interpolator.interpolate(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,
+              interpolator.interpolate(entry.planes[0][k].at[side],entry.planes[1][k].at[side],16,
                                        boxesAtTime.planes[k].at[side]);
           isInterpolated = true;
           return boxesAtTime;
@@ -69,45 +69,45 @@ namespace embree
 
         /*! See CachedMeshBlock::point. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->info,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
+          return pointOfMesh(block->info,MeshMotionDecoder(block).number(segmentEntry(),g,t),w1,w2);
         }
 
       private:
-        __forceinline const SegmentMeshBoxes& segmentBoxes () const
+        __forceinline const MeshSegmentEntry& segmentEntry () const
         {
-          SegmentMeshBoxes& slot = cache.slot(block,segment);
+          MeshSegmentEntry& entry = cache.blockEntry(block,segment);
           const SegmentKey key = { block,segment,0 };
-          if (unlikely(!(slot.key == key))) decode(slot);
-          return slot;
+          if (unlikely(!(entry.key == key))) decode(entry);
+          return entry;
         }
 
-        __noinline void decode (SegmentMeshBoxes& slot) const
+        __noinline void decode (MeshSegmentEntry& entry) const
         {
-          slot.key = { block,segment,0 };
-          MeshMotionDecoder(block).decode(segment,slot);
+          entry.key = { block,segment,0 };
+          MeshMotionDecoder(block).decode(segment,entry);
         }
 
-        __noinline void decode (uint32_t g, uint32_t half, SegmentTriangles& slot) const
+        __noinline void decode (uint32_t g, uint32_t half, SegmentTriangles& entry) const
         {
-          const SegmentMeshBoxes& boxes = segmentBoxes();
-          slot.key = { block,segment,16*half+g };
-          MeshMotionDecoder(block).triangles(boxes,g,half,slot);
+          const MeshSegmentEntry& blockEntry = segmentEntry();
+          entry.key = { block,segment,16*half+g };
+          MeshMotionDecoder(block).triangles(blockEntry,g,half,entry);
         }
 
         __forceinline void interpolate (uint32_t g, uint32_t half) const
         {
           const uint32_t lane = 16*half+g;
-          SegmentTriangles& slot = cache.slot(block,segment,lane);
+          SegmentTriangles& entry = cache.groupEntry(block,segment,lane);
           const SegmentKey key = { block,segment,lane };
-          if (unlikely(!(slot.key == key))) decode(g,half,slot);
+          if (unlikely(!(entry.key == key))) decode(g,half,entry);
           trianglesAtTime.key = lane;
-          trianglesAtTime.hasNextHalf = slot.begin.hasNextHalf;
-          trianglesAtTime.lanes = slot.begin.lanes;
-          trianglesAtTime.numVertices = slot.begin.numVertices;
-          memcpy(trianglesAtTime.corners,slot.begin.corners,sizeof(trianglesAtTime.corners));
+          trianglesAtTime.hasNextHalf = entry.begin.hasNextHalf;
+          trianglesAtTime.lanes = entry.begin.lanes;
+          trianglesAtTime.numVertices = entry.begin.numVertices;
+          memcpy(trianglesAtTime.corners,entry.begin.corners,sizeof(trianglesAtTime.corners));
           const Interpolator interpolator(fraction);
           for (int k=0; k<3; k++)
-            interpolator.interpolate(slot.begin.vertices.at[k],slot.end.at[k],32,trianglesAtTime.vertices.at[k]);
+            interpolator.interpolate(entry.begin.vertices.at[k],entry.end.at[k],32,trianglesAtTime.vertices.at[k]);
         }
 
         MeshMotionCache& cache;
