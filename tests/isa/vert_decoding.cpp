@@ -147,22 +147,22 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
     VertRay pre;
     pre.set(ray);
     const GroupTriangles triangles(pre, cell);
-    for (uint32_t h = 0; h < 32; h++) {
-      const VertTriangle triangle(cell, h);
-      const VertTriangle::Sides stored = triangles.sides(h), sides = triangle.sides(pre);
+    for (uint32_t index = 0; index < 32; index++) {
+      const VertTriangle triangle(cell, index);
+      const VertTriangle::Sides stored = triangles.sides(index), sides = triangle.sides(pre);
       if (!hole) {
         ASSERT_TRUE(stored.w0 == sides.w0 && stored.w1 == sides.w1 && stored.w2 == sides.w2 && stored.sum == sides.sum)
-          << "case " << i << ", triangle " << h;
+          << "case " << i << ", triangle " << index;
       }
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && haveExactSigns(sides))
-          << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> index & 1) && haveExactSigns(sides))
+          << "case " << i << ", triangle " << index;
         bad++;
         continue;
       }
-      ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
+      ASSERT_TRUE(triangles.mask >> index & 1) << "case " << i << ", triangle " << index << ", at " << t;
       found++;
       onLines += !haveExactSigns(sides);
     }
@@ -186,12 +186,12 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
     const int px = int(random.below(7)), py = int(random.below(7));
     VertRay pre;
     pre.set(embree::Ray(embree::Vec3fa(float(px), float(py), -1), embree::Vec3fa(0, 0, 1), 0.0f, INFINITY));
-    for (uint32_t h = 0; h < 32; h++) {
+    for (uint32_t index = 0; index < 32; index++) {
       const uint32_t corners[2][3] = {{0, 1, 2}, {2, 1, 3}}; // 00, 10, 01 and 01, 10, 11
       int x[3], y[3];
       for (int v = 0; v < 3; v++) {
-        x[v] = int(cell.at[0][laneOfCorner(h >> 1, corners[h & 1][v])]);
-        y[v] = int(cell.at[1][laneOfCorner(h >> 1, corners[h & 1][v])]);
+        x[v] = int(cell.at[0][laneOfCorner(index >> 1, corners[index & 1][v])]);
+        y[v] = int(cell.at[1][laneOfCorner(index >> 1, corners[index & 1][v])]);
       }
       const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) {
         return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax);
@@ -201,7 +201,7 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
                             area(x[0], y[0], x[1], y[1], px, py)};
       // parts with the same sign sum up to the whole
       const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
-      ASSERT_EQ(VertTriangle(cell, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;
+      ASSERT_EQ(VertTriangle(cell, index).containsExactly(pre), isInside) << "case " << i << ", triangle " << index;
       inside += isInside;
       onEdges += isInside && parts[0]*parts[1]*parts[2] == 0;
       lines += all == 0;

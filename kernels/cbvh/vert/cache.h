@@ -65,7 +65,7 @@ namespace embree
         return blocks[blocks.indexOf(localityHashOfBlock(block,512))];
       }
 
-      /*! Index of the entry of the group in lane 0; those of the other lanes follow. 32: 512 bytes per 16 groups. */
+      /*! Index of the entry of the group in lane 0; the other lanes follow. 32: 512 bytes per 16 groups. */
       static __forceinline size_t firstGroupIndex (const void* block) {
         return GroupVertices::indexOf(localityHashOfBlock(block,32));
       }
@@ -111,7 +111,7 @@ namespace embree
       CellCoordinates corners;               //!< corners of the groups
     };
 
-    /*! Entry of a block in a segment. [e]: 0 for the begin and 1 for the end of the segment. VertAxes::origin is
+    /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. VertAxes::origin is
      *  unused. */
     struct VertSegmentEntry : public VertAxes
     {
@@ -126,7 +126,7 @@ namespace embree
     struct SegmentVertices
     {
       SegmentKey key;            //!< of the group
-      CellVertices vertices[2];  //!< in world space, at the begin and the end of the segment
+      CellVertices vertices[2];  //!< in world space, at the beginning and at the end of the segment
     };
 
     /*! Cache of moving blocks. BlockEntry, GroupEntry: types of the entries, with a SegmentKey `key`. blockStep,

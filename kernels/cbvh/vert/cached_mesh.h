@@ -66,11 +66,11 @@ namespace embree
           return at;
         }
 
-        /*! Primitive and (u,v) of a hit in triangle t, 0 to 31, of group g. w1, w2: see pointOfMesh. */
-        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
+        /*! Primitive and (u,v) of a hit in a triangle of group g. index: 0 to 31. w1, w2: see pointOfMesh. */
+        __forceinline SurfacePoint point (uint32_t g, uint32_t index, float w1, float w2) const
         {
           ensureDecoded();
-          return pointOfMesh(block->info,MeshDecoder(block).number(entry,g,t),w1,w2);
+          return pointOfMesh(block->info,MeshDecoder(block).number(entry,g,index),w1,w2);
         }
 
       private:
@@ -96,17 +96,17 @@ namespace embree
         MeshTriangles* const halves;
       };
 
-      /*! Triangle h, 0 to 31, of group g. Cached: CachedMeshBlock or MovingMeshBlock. */
+      /*! Triangle of group g. index: 0 to 31. Cached: CachedMeshBlock or MovingMeshBlock. */
       template<typename Cached>
-      __forceinline VertTriangle triangleOfMesh (const Cached& cached, uint32_t g, uint32_t h) {
-        return VertTriangle(cached.triangles(g,h >> 4),h & 15);
+      __forceinline VertTriangle triangleOfMesh (const Cached& cached, uint32_t g, uint32_t index) {
+        return VertTriangle(cached.triangles(g,index >> 4),index & 15);
       }
 
       /*! GroupTriangles (triangles.h) of a mesh block's group. */
       class MeshGroupTriangles
       {
       public:
-        uint32_t mask; //!< bit h: the ray's line may pass through triangle h
+        uint32_t mask; //!< of triangles that the ray's line may pass through, see sides()
 
         /*! Cached: CachedMeshBlock or MovingMeshBlock. */
         template<typename Cached>
@@ -118,15 +118,15 @@ namespace embree
           if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
         }
 
-        /*! h: bit in mask */
-        __forceinline TriangleSides<float> sides (uint32_t h) const { return halves[h >> 4].at(h & 15u); }
+        /*! Sides of a triangle. index: of the triangle in the group and of its bit in the mask. */
+        __forceinline TriangleSides<float> sides (uint32_t index) const { return halves[index >> 4].at(index & 15u); }
 
       private:
         SidesInLanes halves[2];
       };
 
-      __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
-        return triangleOfMesh(cached,g,h);
+      __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t index) {
+        return triangleOfMesh(cached,g,index);
       }
 
       __forceinline MeshGroupTriangles groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached,
@@ -134,9 +134,9 @@ namespace embree
         return MeshGroupTriangles(ray,cached,g);
       }
 
-      __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
-                                             const VertTriangle::Sides& sides) {
-        return cached.point(g,t,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
+      __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g,
+                                             uint32_t index, const VertTriangle::Sides& sides) {
+        return cached.point(g,index,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
       }
     }
   }

@@ -16,21 +16,21 @@ namespace embree
     namespace cbvh
     {
       /* Access to a group of a cVERT block; cached_mesh.h and moving_mesh.h have overloads for mesh blocks. Cached: as
-       * in VertIntersector1. g: lane of the group. h: triangle in the group, see VertTables::triangles. */
+       * in VertIntersector1. g: lane of the group. index: of the triangle in the group, see VertTables::triangles. */
 
       /*! Primitive and (u,v) of a hit. */
       template<typename Cached>
-      __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t h,
+      __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t index,
                                              const VertTriangle::Sides& sides) {
-        return surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+        return surfacePoint(block,g,index,positionInQuad(sides,bool(index & 1)));
       }
 
       template<typename Cached>
-      __forceinline VertTriangle triangleOf (const Cached& cached, uint32_t g, uint32_t h) {
-        return VertTriangle(cached.vertices(g),h);
+      __forceinline VertTriangle triangleOf (const Cached& cached, uint32_t g, uint32_t index) {
+        return VertTriangle(cached.vertices(g),index);
       }
 
-      /*! Triangles of group g that the ray's line may pass through: bit h of mask for triangle h. */
+      /*! Triangles of group g that the ray's line may pass through. Bits of mask: see GroupTriangles. */
       template<typename Cached>
       __forceinline GroupTriangles groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
         return GroupTriangles(ray,cached.vertices(g));
@@ -39,11 +39,11 @@ namespace embree
       /*! GroupTriangles of one ray of a packet, without sides. */
       struct TriangleMask { uint32_t mask; };
 
-      /*! Sides of triangle h that the group's test stored. */
+      /*! Sides of a triangle that the group's test stored. */
       template<typename Triangles>
       __forceinline VertTriangle::Sides sidesOf (const Triangles& triangles, const VertTriangle&, const VertRay&,
-                                                 uint32_t h) {
-        return triangles.sides(h);
+                                                 uint32_t index) {
+        return triangles.sides(index);
       }
       /*! As above, computed again. */
       __forceinline VertTriangle::Sides sidesOf (const TriangleMask&, const VertTriangle& triangle, const VertRay& ray,
@@ -78,13 +78,14 @@ namespace embree
           if (!target.needsHitData(block)) return reportAny(g,triangles);
           if (likely((mask & (mask-1)) == 0))
           {
-            const uint32_t h = uint32_t(bsf(mask));
-            const VertTriangle triangle = triangleOf(cached,g,h);
-            const VertTriangle::Sides sides = sidesOf(triangles,triangle,vertRay,h);
+            const uint32_t index = uint32_t(bsf(mask));
+            const VertTriangle triangle = triangleOf(cached,g,index);
+            const VertTriangle::Sides sides = sidesOf(triangles,triangle,vertRay,index);
             const WideNormal<double> normal = triangle.normal();
             float t;
             return triangle.contains(vertRay,sides)
-              && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
+              && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+index,t)
+              && reportHit(g,normal,index,t,sides);
           }
           return reportNearest(g,mask);
         }
@@ -96,13 +97,13 @@ namespace embree
         {
           for (uint32_t rest=triangles.mask; rest; rest&=rest-1)
           {
-            const uint32_t h = uint32_t(bsf(rest));
-            const VertTriangle triangle = triangleOf(cached,g,h);
-            if (!triangle.contains(vertRay,sidesOf(triangles,triangle,vertRay,h))) continue;
+            const uint32_t index = uint32_t(bsf(rest));
+            const VertTriangle triangle = triangleOf(cached,g,index);
+            if (!triangle.contains(vertRay,sidesOf(triangles,triangle,vertRay,index))) continue;
             const TriangleSpan<double> span = triangle.span(vertRay);
             float t = 0.0f;
             if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
-                && !isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t)) continue;
+                && !isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+index,t)) continue;
             SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
             if (target.report(block,block->primID,hit)) return true;
           }
@@ -110,22 +111,23 @@ namespace embree
         }
 
         /*! report() for several triangles. Computes all distances first: a filter may reject the nearest hit. */
-        bool reportNearest (uint32_t g, uint32_t triangles)
+        bool reportNearest (uint32_t g, uint32_t mask)
         {
           float t[32];
           uint32_t inRange = 0;
-          for (uint32_t rest=triangles; rest; rest&=rest-1) {
-            const uint32_t h = uint32_t(bsf(rest));
-            const VertTriangle triangle = triangleOf(cached,g,h);
+          for (uint32_t rest=mask; rest; rest&=rest-1) {
+            const uint32_t index = uint32_t(bsf(rest));
+            const VertTriangle triangle = triangleOf(cached,g,index);
             if (triangle.contains(vertRay,triangle.sides(vertRay))
-              && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) inRange |= 1u << h;
+              && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+index,t[index]))
+              inRange |= 1u << index;
           }
           while (inRange)
           {
             uint32_t best = uint32_t(bsf(inRange));
             for (uint32_t others=inRange & (inRange-1); others; others&=others-1) {
-              const uint32_t h = uint32_t(bsf(others));
-              if (t[h] < t[best]) best = h;
+              const uint32_t index = uint32_t(bsf(others));
+              if (t[index] < t[best]) best = index;
             }
             inRange &= ~(1u << best);
             const VertTriangle triangle = triangleOf(cached,g,best);
@@ -135,26 +137,26 @@ namespace embree
         }
 
         /*! True if the hit is between tnear and tfar, or at tfar with precedence over the nearest hit. Sets t to the
-         *  rounded distance. exact: distance. number: NearestVertHit::triangle. */
-        __forceinline bool isInRange (double exact, uint32_t number, float& t) const
+         *  distance rounded to float. triangle: NearestVertHit::triangle. */
+        __forceinline bool isInRange (double distance, uint32_t triangle, float& t) const
         {
-          t = float(exact);
+          t = float(distance);
           const float tfar = target.tfar();
-          const uint32_t result = classifyHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
+          const uint32_t result = classifyHit(distance,target.tnear(),tfar,nearest.block && nearest.t == tfar);
           return likely(result == hitIsInRange)
-            || (result == hitIsTied && nearest.losesTieTo(block,number,target.ids()));
+            || (result == hitIsTied && nearest.losesTieTo(block,triangle,target.ids()));
         }
 
-        __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t,
+        __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t index, float t,
                                       const VertTriangle::Sides& sides)
         {
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          const SurfacePoint point = pointOfHit(cached,block,g,h,sides);
+          const SurfacePoint point = pointOfHit(cached,block,g,index,sides);
           hit.u = point.u; hit.v = point.v;
           if (!target.report(block,point.primID,hit)) return false;
-          nearest = NearestVertHit(block,32*g+h,t);
+          nearest = NearestVertHit(block,32*g+index,t);
           return true;
         }
 

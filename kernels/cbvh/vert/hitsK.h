@@ -91,11 +91,11 @@ namespace embree
             vfloat<K>::store(y,vfloat<K>(firstY));
             for (; mask; mask&=mask-1)
             {
-              const uint32_t ray = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[ray])));
+              const uint32_t ray = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangles[ray])));
               for (int i=0; i<3; i++)
-                for (int k=0; k<3; k++) vertices[k][i][ray] = group.at[k][vertTables.triangles[h][i]];
-              x[ray] += float((h >> 1) & 3);
-              y[ray] += float(h >> 3);
+                for (int k=0; k<3; k++) vertices[k][i][ray] = group.at[k][vertTables.triangles[index][i]];
+              x[ray] += float((index >> 1) & 3);
+              y[ray] += float(index >> 3);
             }
           }
 
@@ -218,14 +218,14 @@ namespace embree
           uint32_t accepted = 0;
           for (; mask; mask&=mask-1)
           {
-            const uint32_t k = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[k])));
+            const uint32_t k = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangles[k])));
             SurfaceHit1 hit;
             hit.t = t[k];
             hit.Ng = Vec3fa(Ng.x[k],Ng.y[k],Ng.z[k]);
-            const SurfacePoint point = pointOfNumberedQuad(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] });
+            const SurfacePoint point = pointOfNumberedQuad(block,g,index,QuadPosition<float>{ at.a[k],at.b[k] });
             hit.u = point.u; hit.v = point.v;
             if (!cbvh::report(rays,k,context,block->surface,point.primID,hit)) continue;
-            vertRays.nearest(k) = NearestVertHit(block,32*g+h,t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+index,t[k]);
             accepted |= 1u << k;
           }
           return accepted;

@@ -37,7 +37,7 @@ namespace embree
     /*! World positions of a group's vertices: [axis][vertex]. Other lanes are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
-    /*! Triangles 16 h to 16 h + 15 of a group, half h, one per lane, and all vertices of the group. */
+    /*! Entry of half a group: 16 of its triangles, one per lane, and all vertices of the group. */
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
@@ -91,7 +91,7 @@ namespace embree
       uint32_t base[3][16];       //!< to add to fields, by axis and group
     };
 
-    /*! Entry of a block in a segment. [e]: 0 for the begin and 1 for the end of the segment. No axis is sheared. */
+    /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. No axis is sheared. */
     struct MeshSegmentEntry
     {
       SegmentKey key;            //!< of the block
@@ -99,14 +99,14 @@ namespace embree
       float extent[3];           //!< as VertAxes::extent, at all times
       GroupPlanes planes[2][3];  //!< [e][axis]
       MeshStepFields steps[2];   //!< [e]; undefined for the block's first step
-      MeshBlockEntry first;           //!< where groups begin in the block, and boxes at the first step
+      MeshBlockEntry first;      //!< where groups begin in the block, and boxes at the first step
     };
 
     /*! Entry of half a group in a segment. */
     struct SegmentTriangles
     {
       SegmentKey key;            //!< of the half; the lane is `half` of keyOfHalf
-      MeshTriangles begin;       //!< triangles, and vertices at the begin of the segment; `key` is unused
+      MeshTriangles begin;       //!< triangles, and vertices at the beginning of the segment; `key` is unused
       MeshVertices end;          //!< vertices at the end of the segment
     };
 

@@ -58,7 +58,7 @@ namespace embree
           cornerY = select(y);
 #elif defined(__AVX__)
           vfloat4 x[2], y[2];
-          for (int h=0; h<2; h++) loadFour(lanes+4*h,x[h],y[h]);
+          for (int half=0; half<2; half++) loadFour(lanes+4*half,x[half],y[half]);
           cornerX = vfloatV(x[0],x[1]);
           cornerY = vfloatV(y[0],y[1]);
 #else

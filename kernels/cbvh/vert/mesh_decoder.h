@@ -67,13 +67,13 @@ namespace embree
           decodeStripsSerially(count,16*half,restarts,fans,firstCorners,newMask,repeats,repeatBits,out.corners);
         }
 
-        /*! Number of triangle t, 0 to 31, of group g, for primitiveOfMesh. */
-        __forceinline uint32_t number (const MeshBlockEntry& entry, uint32_t g, uint32_t t) const
+        /*! Number of a triangle of group g, for primitiveOfMesh. index: of the triangle in the group, 0 to 31. */
+        __forceinline uint32_t number (const MeshBlockEntry& entry, uint32_t g, uint32_t index) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
           BitReader at(block,entry.numbersBegin+entry.numbers[g]);
           const uint32_t base = at.read(baseBits);
-          at.skip(t*bits);
+          at.skip(index*bits);
           return block->primID + base + at.read(bits);
         }
 
@@ -613,9 +613,9 @@ namespace embree
           for (uint32_t i=0; i<vertexCount && i<16; i+=8)
           {
             __m256i halves[2][3];
-            for (uint32_t h=0; h<2; h++)
+            for (uint32_t half=0; half<2; half++)
             {
-              const uint32_t j = i+4*h;
+              const uint32_t j = i+4*half;
               auto four = [&](int k) {
                 return _mm256_cvtepu8_epi64(_mm_cvtsi32_si128(*(const int*)(sizes[k]+j)));
               };
@@ -627,7 +627,7 @@ namespace embree
               __m256i fields = _mm256_srlv_epi64(_mm256_set_epi64x(load(j+3),load(j+2),load(j+1),load(j)),four(0));
               for (int k=0; k<3; k++) {
                 const __m256i size = four(k+1);
-                halves[h][k] = _mm256_andnot_si256(_mm256_sllv_epi64(_mm256_set1_epi64x(-1),size),fields);
+                halves[half][k] = _mm256_andnot_si256(_mm256_sllv_epi64(_mm256_set1_epi64x(-1),size),fields);
                 fields = _mm256_srlv_epi64(fields,size);
               }
             }

@@ -53,8 +53,8 @@ namespace embree
         }
 
         /*! See MeshDecoder::number. */
-        uint32_t number (const MeshSegmentEntry& entry, uint32_t g, uint32_t t) const {
-          return MeshDecoder::number(entry.first,g,t);
+        uint32_t number (const MeshSegmentEntry& entry, uint32_t g, uint32_t index) const {
+          return MeshDecoder::number(entry.first,g,index);
         }
 
       private:

@@ -68,8 +68,8 @@ namespace embree
         }
 
         /*! See CachedMeshBlock::point. */
-        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->info,MeshMotionDecoder(block).number(segmentEntry(),g,t),w1,w2);
+        __forceinline SurfacePoint point (uint32_t g, uint32_t index, float w1, float w2) const {
+          return pointOfMesh(block->info,MeshMotionDecoder(block).number(segmentEntry(),g,index),w1,w2);
         }
 
       private:
@@ -119,8 +119,8 @@ namespace embree
         mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
       };
 
-      __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t h) {
-        return triangleOfMesh(cached,g,h);
+      __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t index) {
+        return triangleOfMesh(cached,g,index);
       }
 
       __forceinline MeshGroupTriangles groupTrianglesHitByLine (const VertRay& ray, const MovingMeshBlock& cached,
@@ -128,9 +128,9 @@ namespace embree
         return MeshGroupTriangles(ray,cached,g);
       }
 
-      __forceinline SurfacePoint pointOfHit (const MovingMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
-                                             const VertTriangle::Sides& sides) {
-        return cached.point(g,t,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
+      __forceinline SurfacePoint pointOfHit (const MovingMeshBlock& cached, const VertHeader*, uint32_t g,
+                                             uint32_t index, const VertTriangle::Sides& sides) {
+        return cached.point(g,index,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
       }
     }
   }

@@ -33,8 +33,9 @@ namespace embree
       }
       for (uint32_t q=0; q<16; q++)
         for (uint32_t c=0; c<4; c++) corners[q][c] = uint8_t(laneOfCorner(q,c));
-      for (uint32_t h=0; h<32; h++)
-        for (int i=0; i<4; i++) triangles[h][i] = i < 3 ? corners[h >> 1][cornerOfTriangle(h,i)] : uint8_t(0);
+      for (uint32_t index=0; index<32; index++)
+        for (int i=0; i<4; i++)
+          triangles[index][i] = i < 3 ? corners[index >> 1][cornerOfTriangle(index,i)] : uint8_t(0);
       for (int bits=0; bits<=maxWindowBits; bits++)
         if (hasWindows(bits)) setWindows(bits);
     }

@@ -21,19 +21,19 @@ namespace embree
       {
         typedef TriangleSides<float> Sides;
 
-        /*! h: bit in GroupTriangles::mask. */
-        __forceinline VertTriangle (const CellVertices& group, uint32_t h)
+        /*! index: of the triangle in the group, see VertTables::triangles. */
+        __forceinline VertTriangle (const CellVertices& group, uint32_t index)
         {
-          const uint8_t* const lanes = vertTables.triangles[h];
+          const uint8_t* const lanes = vertTables.triangles[index];
           for (int k=0; k<3; k++)
             for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
         }
 
-        /*! h: lane of the triangle. */
-        __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
+        /*! index: lane of the triangle in the half group. */
+        __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t index)
         {
           for (int k=0; k<3; k++)
-            for (int c=0; c<3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][h]];
+            for (int c=0; c<3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][index]];
         }
 
         __forceinline Sides sides (const VertRay& ray) const
@@ -109,10 +109,10 @@ namespace embree
       class GroupTriangles
       {
       public:
-        uint32_t mask; //!< bits 2q and 2q+1: triangles of quad q
+        uint32_t mask; //!< bits 2q and 2q+1: first and second triangle of quad q
 
-        /*! h: bit in mask. */
-        __forceinline TriangleSides<float> sides (uint32_t h) const { return halves[h & 1u].at(h >> 1); }
+        /*! Sides of a triangle. index: of the triangle in the group and of its bit in the mask. */
+        __forceinline TriangleSides<float> sides (uint32_t index) const { return halves[index & 1u].at(index >> 1); }
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {

@@ -348,14 +348,14 @@ CVERT_CONSTANT uint32_t hitIsOutOfRange = 0u; //!< the hit does not count
 CVERT_CONSTANT uint32_t hitIsInRange = 1u;    //!< the hit counts
 CVERT_CONSTANT uint32_t hitIsTied = 2u;       //!< the hit counts if it hasPrecedence over the ray's previous one
 
-/*! Decides whether a hit at distance `exact` counts. tfar: end of the ray, or distance of its nearest hit.
- *  isHitDistance: tfar is the distance of a cVERT hit, rounded to float; `exact` is then compared as a float, too. */
-CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide exact, float tnear, float tfar, bool isHitDistance)
+/*! Decides whether a hit counts. distance: of the hit. tfar: end of the ray, or distance of its nearest hit.
+ *  isHitDistance: tfar is the distance of a cVERT hit, rounded to float; both are then compared as floats. */
+CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide distance, float tnear, float tfar, bool isHitDistance)
 {
-  float t = float(exact);
+  float t = float(distance);
   uint32_t farther = isHitDistance ? (t == tfar ? hitIsTied : hitIsOutOfRange)
-                             : (exact <= Wide(tfar) ? hitIsInRange : hitIsOutOfRange);
-  return !(exact >= Wide(tnear)) ? hitIsOutOfRange : CVERT_LIKELY(t < tfar) ? hitIsInRange : farther;
+                             : (distance <= Wide(tfar) ? hitIsInRange : hitIsOutOfRange);
+  return !(distance >= Wide(tnear)) ? hitIsOutOfRange : CVERT_LIKELY(t < tfar) ? hitIsInRange : farther;
 }
 
 /*! Orders triangles of a scene or an instance that are hit at the same distance. */
@@ -376,16 +376,17 @@ CVERT_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! Corner (column + 2 row) of the quad at a vertex of triangle h of a group. h: TriangleKey::triangle modulo 32. */
-CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
+/*! Corner (column + 2 row) of the quad at a vertex of a triangle. index: of the triangle in its group, 0 to 31, that
+ *  is, TriangleKey::triangle modulo 32. */
+CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t index, int vertex)
 {
-  bool isSecond = (h & 1u) != 0u;
+  bool isSecond = (index & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/* Position of triangle h's quad in the group. */
-CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
-CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
+/* Column and row of a triangle's quad in the group. index: see cornerOfTriangle. */
+CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t index) { return (index >> 1) & 3u; }
+CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t index) { return index >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
@@ -469,12 +470,12 @@ struct SurfacePoint
   float u, v;
 };
 
-/*! For blocks with primitive numbers. lane: see firstQuadX. h: see cornerOfTriangle. */
-CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+/*! For blocks with primitive numbers. lane: see firstQuadX. index: see cornerOfTriangle. */
+CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t index,
                                                CVERT_AS_FLOAT(QuadPosition) at)
 {
-  uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
-  bool isSecond = (h & 1u) != 0u;
+  uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(index), y = groupQuads*(lane >> 2) + quadYOfTriangle(index);
+  bool isSecond = (index & 1u) != 0u;
   QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
   PrimitiveParameters own = primitiveParameters(primitive.numbering,isSecond,clampParameter(at.a),clampParameter(at.b));
   SurfacePoint point;
@@ -485,11 +486,11 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
 }
 
 /*! For all other blocks. */
-CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t index,
                                         CVERT_AS_FLOAT(QuadPosition) at)
 {
   uint32_t patchQuads = CVERT_AT(VertHeader,block).patchQuads, region = CVERT_AT(VertHeader,block).region;
-  uint32_t x = firstQuadX(region,lane) + quadXOfTriangle(h), y = firstQuadY(region,lane) + quadYOfTriangle(h);
+  uint32_t x = firstQuadX(region,lane) + quadXOfTriangle(index), y = firstQuadY(region,lane) + quadYOfTriangle(index);
   uint32_t cornerU = 0u, cornerV = 0u;
   SurfacePoint point;
   point.primID = CVERT_AT(VertHeader,block).primID;
@@ -497,7 +498,7 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
   {
     VertEdges edges = edgesOf(block);
     if (isAtStitchedEdge(patchQuads,edges,x,y)) {
-      FaceParameters parameters = parametersAtStitchedEdge(patchQuads,edges,x,y,(h & 1u) != 0u,at.a,at.b);
+      FaceParameters parameters = parametersAtStitchedEdge(patchQuads,edges,x,y,(index & 1u) != 0u,at.a,at.b);
       point.u = parameters.u;
       point.v = parameters.v;
       return point;
@@ -510,11 +511,11 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
   return point;
 }
 
-CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t index,
                                         CVERT_AS_FLOAT(QuadPosition) at)
 {
-  if (hasNumbers(CVERT_AT(VertHeader,block).info)) return pointOfNumberedQuad(block,lane,h,at);
-  return pointOfPatch(block,lane,h,at);
+  if (hasNumbers(CVERT_AT(VertHeader,block).info)) return pointOfNumberedQuad(block,lane,index,at);
+  return pointOfPatch(block,lane,index,at);
 }
 
 CVERT_END

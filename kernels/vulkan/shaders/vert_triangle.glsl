@@ -86,11 +86,12 @@ bool cbvhIntersectTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b
   Wide org[3], dir[3];
   for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
-  Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
-  uint result = classifyHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
+  Wide distance = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
+  bool isHitDistance = nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID;
+  uint result = classifyHit(distance, ray.tnear, tfar, isHitDistance);
   if (result == hitIsOutOfRange || (result == hitIsTied && !hasPrecedence(key, nearest.key))) return false;
 
-  at.t = float(exact);
+  at.t = float(distance);
   at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (at.Ng == vec3(0.0)) at.Ng = -ray.dir;
   nearest = CbvhVertNearest(true, ray.instID, at.t, key);
