@@ -23,7 +23,7 @@ namespace embree
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
-        // saturation keeps signs: bits 15 of the first eight coordinates are the exponent on y, bits 14 that on z
+        // saturation keeps signs: bits 15 of the first eight coordinates are the exponent on y, bits 14 the one on z
         const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1))));
         VertSpacing spacing;
         spacing.at[0] = floatOfBits((word >> 24) << 23);
@@ -83,20 +83,22 @@ namespace embree
         }
 
       private:
-        /*! vertices: coordinates on axis k. offset: world position of coordinate 0; 0 for the sheared axis. */
+        /*! Decodes the planes on axis k. vertices: coordinates on this axis. offset: world position of coordinate 0, or
+         *  0 for the sheared axis. */
         __forceinline void decode (int k, const float* vertices, float offset, GroupPlanes& out) const
         {
           alignas(16) uint8_t expanded[24]; // vectors of four load 8 bytes, the last from byte 12 on
           const uint8_t* axisMargins = expandRows(margins + k*layout.groups,expanded);
-          const vfloatV spacing(this->spacing.at[k]), origin(offset), step(float(1u << marginShift(info,k)));
+          const vfloatV spacing(this->spacing.at[k]), origin(offset), unit(float(1u << marginShift(info,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
-            const vintV m = loadBytes(axisMargins+vectorWidth*j);
+            // bits 0 to 3: margin of the lower plane; bits 4 to 7: margin of the upper plane
+            const vintV margin = loadBytes(axisMargins+vectorWidth*j);
             vfloatV::store(out.at[0]+vectorWidth*j,
-              madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
+              madd(nmadd(vfloatV(margin & vintV(15)),unit,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
             vfloatV::store(out.at[1]+vectorWidth*j,
-              madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
+              madd(madd(vfloatV(margin >> 4),unit,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
           }
         }
 

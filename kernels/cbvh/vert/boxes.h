@@ -25,7 +25,7 @@ namespace embree
 
         __forceinline ShearedRay () {}
 
-        __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertAxes& axes)
+        __forceinline ShearedRay (const VertRayBase<Real>& ray, const VertAxes& axes)
         {
           ShearedCoordinate<Real> along = zeroShearedCoordinate<Real>();
           for (int k=0; k<3; k++)
@@ -43,7 +43,7 @@ namespace embree
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
         alignas(16) float coordinate[4]; //!< ShearedCoordinate: org, dir and size
 
-        __forceinline RayInBoxes (const VertRayAxes<float>& ray, const GroupBoxes& boxes)
+        __forceinline RayInBoxes (const VertRayBase<float>& ray, const GroupBoxes& boxes)
         {
           const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(boxes.origin);
           const vfloat4 farthest = abs(distance) + vfloat4::loadu(boxes.extent), shear = vfloat4::loadu(boxes.shear);
@@ -53,7 +53,7 @@ namespace embree
           vfloat4::store(coordinate,x+y+z);
         }
 
-        __forceinline ShearedRay<float> sheared (const VertRayAxes<float>& ray) const
+        __forceinline ShearedRay<float> sheared (const VertRayBase<float>& ray) const
         {
           ShearedRay<float> along;
           along.org = coordinate[0];
@@ -71,7 +71,7 @@ namespace embree
 
       /*! Returns false if the ray misses the bounds between tNear and tFar. */
       template<typename Real>
-      __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear,
+      __forceinline auto intersectsBounds (const VertRayBase<Real>& ray, const BlockBounds& bounds, Real tNear,
         Real tFar)
         -> decltype(tNear <= tFar)
       {
@@ -93,7 +93,7 @@ namespace embree
 
       /*! As above, with the bounds in the header of a block that does not move. Requires !isRaw(block->info). */
       template<typename Real>
-      __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
+      __forceinline auto intersectsBounds (const VertRayBase<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
       {
         BlockBounds bounds;

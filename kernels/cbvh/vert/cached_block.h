@@ -32,7 +32,7 @@ namespace embree
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
          *  isValid(). */
-        __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
+        __forceinline bool mayIntersect (const VertRayBase<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->info)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 

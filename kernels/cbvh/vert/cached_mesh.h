@@ -47,7 +47,7 @@ namespace embree
         }
 
         /*! Always true: a mesh block has only the bounds of its leaf, which the ray intersects. */
-        __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
+        __forceinline bool mayIntersect (const VertRayBase<float>&, float, float) const { return true; }
 
         __forceinline bool isValid () const { return cbvh::isBlockValid(block,MESH_FORMAT); }
 

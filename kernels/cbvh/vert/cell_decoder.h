@@ -17,7 +17,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Loads x, y and z, 16 bits each. Lane 3 contains the next 16 bits. */
+      /*! Converts x, y and z, 16 bits each, to float. Lane 3 contains the next 16 bits. */
       __forceinline vfloat4 coordinatesAt (const void* p) {
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
@@ -30,9 +30,9 @@ namespace embree
         return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
       }
 
-      /*! Residuals, without slopes, from bits shift to shift+bits-1 of the fields. Two shifts extend the sign; for 0
+      /*! Extracts signed components from bits shift to shift+bits-1 of the fields. Two shifts extend the sign; for 0
        *  bits, the shift by 32 returns 0. */
-      __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
+      __forceinline vfloatV componentOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
 
@@ -43,35 +43,36 @@ namespace embree
         __forceinline CellPrediction (const vfloat4& c00, const vfloat4& c10, const vfloat4& c01, const vfloat4& c11)
         {
           const vfloat4 x = c10-c00, y = c01-c00;
-          vfloat4::store(k,c00);
+          vfloat4::store(constant,c00);
           vfloat4::store(dx,x);
           vfloat4::store(dy,y);
           vfloat4::store(dxy,(c11-c01)-x);
-          vfloat4::store(upper,c11);
+          vfloat4::store(upperRight,c11);
         }
 
         /*! Predictions on an axis. x, y: weights of the upper corners (VertTables). */
         __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
-          return vfloatV(k[axis])
+          return vfloatV(constant[axis])
             + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
         /*! Coordinate of corner 11, the cell's last vertex. */
-        __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
+        __forceinline vfloatV last (int axis) const { return vfloatV(upperRight[axis]); }
 
       private:
-        alignas(16) float k[4], dx[4], dy[4], dxy[4], upper[4]; //!< by axis
+        /* By axis: coefficients of constant + dx x + dy y + dxy x y, and corner 11. */
+        alignas(16) float constant[4], dx[4], dy[4], dxy[4], upperRight[4];
       };
 
       /*! Predictions of a cell, vector by vector: a Base of CellDecoder. */
       class CellBase
       {
       public:
-        /*! ofQuads: true for a group's cell, false for the block's first cell. quadsX, quadsY: along the cell's
+        /*! isGroup: true for a group's cell, false for the block's first cell. quadsX, quadsY: along the cell's
          *  sides. */
-        __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
-          : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]),
-            weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
+        __forceinline CellBase (const CellPrediction& prediction, bool isGroup, uint32_t quadsX, uint32_t quadsY)
+          : prediction(prediction), weightX(vertTables.weightX[isGroup][quadsX-1]),
+            weightY(vertTables.weightY[isGroup][quadsY-1]) {}
 
         __forceinline vfloatV at (int axis, int vector) const {
           return prediction.at(axis,vfloatV::load(weightX+vectorWidth*vector),
@@ -130,9 +131,9 @@ namespace embree
           const CellFields fields(data,cellFieldBits(word));
           const int second = cellBits(word,0), third = second + cellBits(word,1);
           vfloatV main[fieldVectors];
-          component<0>(fields,0,main,out);
-          component<1>(fields,second,main,out);
-          component<2>(fields,third,main,out);
+          decodeComponent<0>(fields,0,main,out);
+          decodeComponent<1>(fields,second,main,out);
+          decodeComponent<2>(fields,third,main,out);
         }
 
       private:
@@ -143,23 +144,23 @@ namespace embree
         {
           const int bits[3] = { cellBits(cell.word,0),cellBits(cell.word,1),cellBits(cell.word,2) };
           vfloatV main[fieldVectors];
-          cell.component<0>(CellFields(cell.data,bits[0]),0,main,out);
-          cell.component<1>(CellFields(cell.data,bits[1],cellFields*bits[0]),0,main,out);
-          cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
+          cell.decodeComponent<0>(CellFields(cell.data,bits[0]),0,main,out);
+          cell.decodeComponent<1>(CellFields(cell.data,bits[1],cellFields*bits[0]),0,main,out);
+          cell.decodeComponent<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Decodes component i, which starts at bit `shift` of the fields. main: residuals along the main axis, which
-         *  component 0 sets; the others add their slope times them. */
+        /*! Decodes component i, which starts at bit `shift` of the fields. main: residuals along the main axis, set
+         *  by component 0; the others add them, times their slope. */
         template<int i, typename Out>
-        __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors],
-                                      const Out& out) const
+        __forceinline void decodeComponent (const CellFields& fields, int shift, vfloatV main[fieldVectors],
+                                            const Out& out) const
         {
           const int bits = cellBits(word,i), axis = cellAxis(word,i);
           const vfloatV slope(i == 0 ? 0.0f : float(cellSlope(word,i))*(1.0f/16.0f));
           CellVector v(base.last(axis));
           for (int c=0; c<fieldVectors; c++)
           {
-            vfloatV residual = residualOf(fields.lanes[c],shift,bits);
+            vfloatV residual = componentOf(fields.lanes[c],shift,bits);
             if (i == 0) main[c] = residual;
             else residual = residual + floor(madd(slope,main[c],vfloatV(0.5f)));
             v.at[c] = base.at(axis,c) + residual;

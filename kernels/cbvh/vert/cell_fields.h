@@ -56,7 +56,7 @@ namespace embree
 #if defined(CBVH_SSE41_INTEGERS)
           if (likely(start == 0 && VertTables::hasWindows(bits))) {
             const VertTables::Windows& windows = vertTables.windows[bits];
-            if (likely(bits <= VertTables::maxBitsOfFour)) {
+            if (likely(bits <= VertTables::maxFourByteBits)) {
               for (int c=0; c<fieldVectors; c++) lanes[c] = fieldsOfVector<false>(data,windows,c);
               return;
             }
@@ -81,16 +81,16 @@ namespace embree
 
       private:
 #if defined(CBVH_SSE41_INTEGERS) && !defined(__AVX512F__)
-        /*! Selects bytes from window i. */
-        static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int i,
-                                           const uint8_t (*control)[16]) {
-          return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),
-            _mm_load_si128((const __m128i*)control[i]));
+        /*! Loads the window of a row and shuffles its bytes. */
+        static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int row,
+                                                 const uint8_t (*shuffle)[16]) {
+          return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[row])),
+            _mm_load_si128((const __m128i*)shuffle[row]));
         }
 
-        /*! Fields, of up to maxBitsOfFour bits, of a row's first four columns. */
+        /*! Fields of a row's first four columns, of up to maxFourByteBits bits. */
         static __forceinline vint4 fieldsOfRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
-          return _mm_srli_epi32(_mm_mullo_epi32(loadWindow(data,windows,row,windows.control),
+          return _mm_srli_epi32(_mm_mullo_epi32(loadWindow(data,windows,row,windows.shuffle),
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
@@ -112,8 +112,8 @@ namespace embree
 #if defined(CBVH_VARIABLE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
           // shifts by 32 return 0
-          return _mm_or_si128(_mm_srlv_epi32(loadWindow(data,windows,row,windows.control),shift),
-                              _mm_sllv_epi32(loadWindow(data,windows,row,windows.fifth),
+          return _mm_or_si128(_mm_srlv_epi32(loadWindow(data,windows,row,windows.shuffle),shift),
+                              _mm_sllv_epi32(loadWindow(data,windows,row,windows.shuffleFifthByte),
                                 _mm_sub_epi32(_mm_set1_epi32(32),shift)));
 #else
           return fieldsOfRow(data,windows,row); // unreachable: the constructor requires CBVH_VARIABLE_SHIFTS

@@ -45,19 +45,20 @@ namespace embree
                                  const CachedVertBlock& cached)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
-        /*! Returns the rays that accepted a hit in group g. mask: rays with triangles. triangles:
-         *  GroupTrianglesK::mask. kz: of all rays of the mask. */
-        __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
+        /*! Returns the mask of rays that accepted a hit in group g. mask: rays with triangles. triangleMasks:
+         *  GroupTrianglesK::mask. kz: VertRay::kz, the same for all rays of the mask. */
+        __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangleMasks)
         {
           uint32_t accepted = 0;
-          const uint32_t singles = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
+          const uint32_t singles =
+            mask & uint32_t(movemask((triangleMasks & (triangleMasks-vint<K>(1))) == vint<K>(zero)));
           // (u,v) at edges of a lower rate are computed per ray
           if (popcnt(singles) > 1
               && (likely(!hasEdges(block->info)) || !hasStitchedEdge(block->patchQuads,edgesOf(block))))
-            mask &= ~reportTogether(singles,kz,g,triangles,accepted);
+            mask &= ~reportTogether(singles,kz,g,triangleMasks,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
-            if (report(k,g,TriangleMask{ uint32_t(triangles[k]) })) accepted |= 1u << k;
+            if (report(k,g,TriangleMask{ uint32_t(triangleMasks[k]) })) accepted |= 1u << k;
           }
           return accepted;
         }
@@ -74,16 +75,17 @@ namespace embree
       private:
         /*! One triangle per ray, and the intersection of its plane with the ray. Triangles of rays outside of the mask
          *  are zeros. */
-        struct Triangles
+        struct RayTriangles
         {
           alignas(64) float vertices[3][3][K]; //!< [axis][vertex][ray]
           alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K]; //!< set by intersectPlanes, as the following members
-          uint32_t isHit;   //!< rays with an intersection not before tnear
-          uint32_t inPlane; //!< rays that lie in the plane, see isPlaneDecisive
+          uint32_t hitMask;     //!< rays with an intersection not before tnear
+          uint32_t inPlaneMask; //!< rays that lie in the plane, see isPlaneDecisive
 
-          __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
-                                   float firstX, float firstY)
+          /*! firstX, firstY: position of the group's first quad in the patch. */
+          __forceinline RayTriangles (uint32_t mask, const CellVertices& group, const vint<K>& triangleMasks,
+                                      float firstX, float firstY)
           {
             for (int k=0; k<3; k++)
               for (int i=0; i<3; i++) vfloat<K>::store(vertices[k][i],vfloat<K>(zero));
@@ -91,7 +93,7 @@ namespace embree
             vfloat<K>::store(y,vfloat<K>(firstY));
             for (; mask; mask&=mask-1)
             {
-              const uint32_t ray = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangles[ray])));
+              const uint32_t ray = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangleMasks[ray])));
               for (int i=0; i<3; i++)
                 for (int k=0; k<3; k++) vertices[k][i][ray] = group.at[k][vertTables.triangles[index][i]];
               x[ray] += float((index >> 1) & 3);
@@ -101,30 +103,30 @@ namespace embree
 
           __forceinline void intersectPlanes (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear)
           {
-            isHit = inPlane = 0;
+            hitMask = inPlaneMask = 0;
             for (int j=0; j<K; j+=4)
             {
-              const FourRays rayGroup(*this,vertRays,j);
-              const WideNormal<Double4> n = normalOf(rayGroup.triangle);
-              const PlaneIntersection<Double4> at = intersectPlane(rayGroup.triangle,n,rayGroup.org,rayGroup.dir);
-              const TriangleSpan<Double4> span = rayGroup.span(kz);
-              const Double4 exact = clampToSpan(span,at.t);
-              toFloat(exact).store(t+j);
+              const FourRays fourRays(*this,vertRays,j);
+              const WideNormal<Double4> n = normalOf(fourRays.triangle);
+              const PlaneIntersection<Double4> at = intersectPlane(fourRays.triangle,n,fourRays.org,fourRays.dir);
+              const TriangleSpan<Double4> span = fourRays.span(kz);
+              const Double4 distance = clampToSpan(span,at.t);
+              toFloat(distance).store(t+j);
               for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
-              isHit |= (Double4(lanesFrom(tnear,j)) <= exact).bits() << j;
-              inPlane |= (15u & ~isPlaneDecisive(at,span).bits()) << j;
+              hitMask |= (Double4(lanesFrom(tnear,j)) <= distance).bits() << j;
+              inPlaneMask |= (15u & ~isPlaneDecisive(at,span).bits()) << j;
             }
           }
 
-          /*! Rays whose entire triangle is between tnear and tfar. */
+          /*! Mask of rays whose entire triangle is between tnear and tfar. */
           __forceinline uint32_t entirelyInRange (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
-                                          const vfloat<K>& tfar) const
+                                                  const vfloat<K>& tfar) const
           {
             uint32_t mask = 0;
             for (int j=0; j<K; j+=4)
             {
-              const FourRays rayGroup(*this,vertRays,j);
-              const TriangleSpan<Double4> span = rayGroup.span(kz);
+              const FourRays fourRays(*this,vertRays,j);
+              const TriangleSpan<Double4> span = fourRays.span(kz);
               mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest)
                 & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
             }
@@ -142,7 +144,7 @@ namespace embree
             WideTriangle<Double4> triangle;
             Double4 org[3], dir[3];
 
-            __forceinline FourRays (const Triangles& source, const VertRays<K>& vertRays, int j)
+            __forceinline FourRays (const RayTriangles& source, const VertRays<K>& vertRays, int j)
             {
               for (int k=0; k<3; k++) {
                 for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(source.vertices[k][i]+j));
@@ -157,12 +159,13 @@ namespace embree
           };
         };
 
-        /*! Processes rays with one triangle each together. Returns the rays that are done, and adds those with an
-         *  accepted hit to `accepted`. The others need single tests: a side may have rounded to 0, the ray may lie in
-         *  the triangle's plane, or another hit may have the same distance. */
-        uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
+        /*! Processes rays with one triangle each together. Returns the mask of rays that are done, and adds rays with
+         *  an accepted hit to the mask `accepted`. Other rays need single tests: a side may have rounded to 0, the ray
+         *  may lie in the triangle's plane, or another hit may have the same distance. */
+        uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangleMasks,
+                                 uint32_t& accepted)
         {
-          Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
+          RayTriangles batch(mask,cached.vertices(g),triangleMasks,float(firstQuadX(block->region,g)),
             float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(batch,kz);
           const vfloat<K> tfar = rays.tfar;
@@ -179,8 +182,8 @@ namespace embree
           }
           batch.intersectPlanes(vertRays,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(batch.t);
-          const uint32_t done = mask & uint32_t(movemask(haveExactSigns(sides) & (t != tfar))) & ~batch.inPlane;
-          const vbool<K> hit = vbool<K>(int(done & batch.isHit)) & (t < tfar);
+          const uint32_t done = mask & uint32_t(movemask(haveExactSigns(sides) & (t != tfar))) & ~batch.inPlaneMask;
+          const vbool<K> hit = vbool<K>(int(done & batch.hitMask)) & (t < tfar);
           if (none(hit)) return done;
 
           Vec3vf<K> Ng(vfloat<K>::load(batch.normal[0]),vfloat<K>::load(batch.normal[1]),
@@ -190,9 +193,9 @@ namespace embree
             Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
           // odd bits of the mask: second triangles of quads
           const QuadPosition<vfloat<K>> at =
-            positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
+            positionInQuad(sides,(triangleMasks & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
           if (hasNumbers(block->info)) {
-            accepted |= reportNumbered(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
+            accepted |= reportNumbered(uint32_t(movemask(hit)),g,triangleMasks,at,t,Ng);
             return done;
           }
           const VertEdges edges = edgesOf(block);
@@ -205,20 +208,20 @@ namespace embree
               & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=acceptedNow; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            vertRays.nearest(k) = NearestVertHit(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+            vertRays.nearest(k) = NearestVertHit(block,32*g+uint32_t(bsf(uint32_t(triangleMasks[k]))),t[k]);
           }
           accepted |= acceptedNow;
           return done;
         }
 
-        /*! Reports hits in a block whose quads have primitive numbers. Returns the rays that accepted one. */
-        uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
-                            const vfloat<K>& t, const Vec3vf<K>& Ng)
+        /*! Reports hits in a block whose quads have primitive numbers. Returns the mask of rays that accepted one. */
+        uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangleMasks,
+                                 const QuadPosition<vfloat<K>>& at, const vfloat<K>& t, const Vec3vf<K>& Ng)
         {
           uint32_t accepted = 0;
           for (; mask; mask&=mask-1)
           {
-            const uint32_t k = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangles[k])));
+            const uint32_t k = uint32_t(bsf(mask)), index = uint32_t(bsf(uint32_t(triangleMasks[k])));
             SurfaceHit1 hit;
             hit.t = t[k];
             hit.Ng = Vec3fa(Ng.x[k],Ng.y[k],Ng.z[k]);
@@ -232,14 +235,14 @@ namespace embree
         }
 
         /*! The same floats as GroupTrianglesK computes. */
-        __forceinline TriangleSides<vfloat<K>> sidesOf (const Triangles& of, size_t kz) const
+        __forceinline TriangleSides<vfloat<K>> sidesOf (const RayTriangles& batch, size_t kz) const
         {
           const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));
           vfloat<K> x[3], y[3];
           for (int i=0; i<3; i++) {
-            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - vertRays.org[kz];
-            x[i] = nmadd(vertRays.sx,z,vfloat<K>::load(of.vertices[kx][i]) - vertRays.org[kx]);
-            y[i] = nmadd(vertRays.sy,z,vfloat<K>::load(of.vertices[ky][i]) - vertRays.org[ky]);
+            const vfloat<K> z = vfloat<K>::load(batch.vertices[kz][i]) - vertRays.org[kz];
+            x[i] = nmadd(vertRays.sx,z,vfloat<K>::load(batch.vertices[kx][i]) - vertRays.org[kx]);
+            y[i] = nmadd(vertRays.sy,z,vfloat<K>::load(batch.vertices[ky][i]) - vertRays.org[ky]);
           }
           return triangleSides(x[0],y[0],x[1],y[1],x[2],y[2]);
         }

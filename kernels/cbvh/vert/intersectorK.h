@@ -158,7 +158,8 @@ namespace embree
           return tNear <= tFar;
         }
 
-        /*! Returns the rays of the mask that accepted a hit in group g. */
+        /*! Returns the mask of rays that accepted a hit in group g. mask: rays that intersect its box. kz: see
+         *  VertRay. */
         __forceinline uint32_t intersectGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);

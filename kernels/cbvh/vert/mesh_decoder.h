@@ -127,19 +127,21 @@ namespace embree
           }
         };
 
-        /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. newMask: without the first
-         *  three entries, which are always new. */
+        /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. restarts, fans: masks of
+         *  triangles that start a strip or continue a fan. firstCorners: two bits per triangle. newMask: entries of the
+         *  stream that are new vertices, without the first three entries, which are always new. repeats: indices of
+         *  the vertices of other entries. */
         static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
                                           uint64_t firstCorners, uint64_t newMask, BitReader repeats,
                                           uint32_t repeatBits, uint8_t (*corners)[16])
         {
           memset(corners,0,sizeof(corners[0])*3);
           Strip strip;
-          uint32_t fresh = 3;
+          uint32_t numNew = 3;
           auto next = [&]() {
             const bool isNew = newMask & 1;
             newMask >>= 1;
-            return isNew ? fresh++ : repeats.read(repeatBits);
+            return isNew ? numNew++ : repeats.read(repeatBits);
           };
           for (uint32_t t=0; t<count; t++, firstCorners>>=2)
           {
@@ -152,7 +154,7 @@ namespace embree
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
             if (t < first || t-first >= 16) continue;
             const uint32_t v = strip.corners(uint32_t(firstCorners) & 3);
-            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // also below 32 in damaged blocks
+            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // 31: for damaged blocks
           }
         }
 
@@ -160,10 +162,10 @@ namespace embree
         /*! Expands bits to bytes of ones or zeros. */
         static __forceinline __m128i bytesOfBits (uint32_t bits)
         {
-          const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
-          const __m128i places = _mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1);
-          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),places);
-          return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
+          const __m128i bitOfLane = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
+          const __m128i byteOfLane = _mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),byteOfLane);
+          return _mm_cmpeq_epi8(_mm_and_si128(spread,bitOfLane),bitOfLane);
         }
 
         /*! Inclusive prefix sums of bytes. */
@@ -190,58 +192,60 @@ namespace embree
                                                           uint32_t newMask, uint64_t repeats, uint32_t repeatBits,
                                                           uint8_t (*corners)[16])
         {
-          const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
+          const __m128i one = _mm_set1_epi8(1), lanes = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          // repeated: the fields of `repeats`, one byte each
-          const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
-          const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
-          const __m256i first = _mm256_srlv_epi64(fields,shifts),
-            second = _mm256_srlv_epi64(fields,_mm256_add_epi64(shifts,_mm256_slli_epi64(b,2)));
+          // repeated: the eight fields of `repeats`, one byte each
+          const __m256i fields = _mm256_set1_epi64x((long long)repeats), fieldBits = _mm256_set1_epi64x(repeatBits);
+          const __m256i shifts = _mm256_mul_epu32(fieldBits,_mm256_setr_epi64x(0,1,2,3));
+          const __m256i fields0To3 = _mm256_srlv_epi64(fields,shifts),
+            fields4To7 = _mm256_srlv_epi64(fields,_mm256_add_epi64(shifts,_mm256_slli_epi64(fieldBits,2)));
           const __m256i mask = _mm256_set1_epi32((1 << repeatBits)-1);
-          const __m256i pairs = _mm256_and_si256(_mm256_blend_epi32(first,_mm256_slli_epi64(second,32),0xAA),mask);
+          const __m256i pairs =
+            _mm256_and_si256(_mm256_blend_epi32(fields0To3,_mm256_slli_epi64(fields4To7,32),0xAA),mask);
           const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(
             0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
           const __m128i repeated = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
-          __m128i entries[2];
-          __m128i before = _mm_setzero_si128(); // new entries in the first half
+          __m128i entries[2]; // vertices of the stream's entries
+          __m128i before = _mm_setzero_si128(); // number of new entries in the first half
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(newMask >> (16*half)), isOne = _mm_and_si128(isNew,one);
-            const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(prefixSumsOfBytes(isOne),isOne));
-            const __m128i rank = _mm_sub_epi8(_mm_add_epi8(places,_mm_set1_epi8(char(16*half))),fresh);
-            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(repeated,rank),fresh,isNew);
+            // numbers of new and of repeated entries before each entry
+            const __m128i newBefore = _mm_add_epi8(before,_mm_sub_epi8(prefixSumsOfBytes(isOne),isOne));
+            const __m128i repeatedBefore = _mm_sub_epi8(_mm_add_epi8(lanes,_mm_set1_epi8(char(16*half))),newBefore);
+            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(repeated,repeatedBefore),newBefore,isNew);
             before = _mm_set1_epi8(char(__builtin_popcount(newMask & 0xFFFF)));
           }
-          auto entryAt = [&](__m128i place) {
-            return _mm_blendv_epi8(_mm_shuffle_epi8(entries[0],place),_mm_shuffle_epi8(entries[1],place),
-              _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
+          auto entryAt = [&](__m128i index) {
+            return _mm_blendv_epi8(_mm_shuffle_epi8(entries[0],index),_mm_shuffle_epi8(entries[1],index),
+              _mm_cmpgt_epi8(index,_mm_set1_epi8(15)));
           };
 
-          /* A restart has three entries instead of one. last, oldest: entries of a triangle's last and first vertex. A
-           * fan keeps the first one. */
+          /* A restart has three entries instead of one. first, last: indices of the entries of a triangle's first and
+           * last vertex. A fan keeps the first one. */
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
-          const __m128i last = _mm_add_epi8(places,prefixSumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
-          const __m128i oldest = prefixMaximaOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
+          const __m128i last = _mm_add_epi8(lanes,prefixSumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
+          const __m128i first = prefixMaximaOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
           // triangles that neither continue a fan nor start a strip reverse the orientation of the one before
           const __m128i flips = prefixSumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i flipsSinceStart = _mm_sub_epi8(flips,prefixMaximaOfBytes(_mm_and_si128(starts,flips)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(flipsSinceStart,one),one);
-          const __m128i a = entryAt(oldest), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
-          const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
+          const __m128i a = entryAt(first), b = entryAt(_mm_sub_epi8(last,one)), c = entryAt(last);
+          const __m128i p = _mm_blendv_epi8(a,b,isFlipped), q = _mm_blendv_epi8(b,a,isFlipped);
 
           // two bits of `firstCorners` per triangle
-          const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
-          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(firstCorners)),quarters);
+          const __m128i byteOfLane = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(firstCorners)),byteOfLane);
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
           const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
             is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
-          auto rotate = [&](__m128i x, __m128i y, __m128i z) { // also below 32 in damaged blocks
+          auto rotate = [&](__m128i x, __m128i y, __m128i z) { // 31: keeps corners below 32 in damaged blocks
             return _mm_and_si128(_mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2),_mm_set1_epi8(31));
           };
-          _mm_store_si128((__m128i*)corners[0],rotate(p,q,r));
-          _mm_store_si128((__m128i*)corners[1],rotate(q,r,p));
-          _mm_store_si128((__m128i*)corners[2],rotate(r,p,q));
+          _mm_store_si128((__m128i*)corners[0],rotate(p,q,c));
+          _mm_store_si128((__m128i*)corners[1],rotate(q,c,p));
+          _mm_store_si128((__m128i*)corners[2],rotate(c,p,q));
         }
 #endif
 
@@ -344,8 +348,8 @@ namespace embree
 #endif
         }
 
-        /*! Bits of each byte: 0 for 0, 8 for 128 to 255. */
-        static __forceinline __m128i lengthsOf (__m128i bytes)
+        /*! Bit lengths of bytes: 0 for 0, 8 for 128 to 255. */
+        static __forceinline __m128i bitLengthsOf (__m128i bytes)
         {
 #if defined(__SSSE3__)
           const __m128i nibble = _mm_set1_epi8(15);
@@ -362,7 +366,7 @@ namespace embree
         }
 
         /*! Stores exclusive prefix sums of 16 numbers. Returns the total. */
-        static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
+        static __forceinline uint32_t storePrefixSums (const __m128i numbers[2], uint16_t out[16])
         {
           uint32_t before = 0;
           for (int half=0; half<2; half++)
@@ -389,7 +393,8 @@ namespace embree
           __m128i bits[3], bitsPerVertex = none;
           for (uint32_t k=0; k<3; k++) {
             const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
-            bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->info,k))));
+            bits[k] =
+              _mm_add_epi8(bitLengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->info,k))));
             bitsPerVertex = _mm_add_epi8(bitsPerVertex,bits[k]);
           }
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)out.fieldBits[k],bits[k]);
@@ -402,7 +407,7 @@ namespace embree
           __m128i vertexCount[2], topology[2], vertices[2], numbers[2], own[2];
           for (int half=0; half<2; half++) vertexCount[half] = _mm_and_si128(record[half],fiveBits);
           const __m128i repeats =
-            lengthsOf(_mm_sub_epi8(_mm_packus_epi16(vertexCount[0],vertexCount[1]),_mm_set1_epi8(1)));
+            bitLengthsOf(_mm_sub_epi8(_mm_packus_epi16(vertexCount[0],vertexCount[1]),_mm_set1_epi8(1)));
           const __m128i otherBits = _mm_set1_epi16(short(bitsFor(meshVertices(block->counts)))),
             baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
           for (int half=0; half<2; half++)
@@ -429,10 +434,10 @@ namespace embree
             numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isPresent);
           }
           out.topologyBegin = 8*layout.topology;
-          out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
-          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldBitOfVertex0)+7) & ~7u);
-          storeSums(numbers,out.numbers);
-          storeSums(own,out.firstVertex);
+          out.verticesBegin = out.topologyBegin + ((storePrefixSums(topology,out.topology)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storePrefixSums(vertices,out.fieldBitOfVertex0)+7) & ~7u);
+          storePrefixSums(numbers,out.numbers);
+          storePrefixSums(own,out.firstVertex);
           for (int half=0; half<2; half++) {
             __m128i* const zero = (__m128i*)out.fieldBitOfVertex0 + half;
             const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
@@ -489,7 +494,8 @@ namespace embree
           }
         }
 
-        /*! Sets coordinates, before the shear is subtracted. Parameters: as above. */
+        /*! Sets the coordinates of a group's vertices, before the shear is subtracted. Parameters: see
+         *  decodeVertices. */
         __forceinline void readCoordinates (const MeshBlockEntry& entry, uint32_t g, uint32_t vertexCount,
                                             uint32_t ownMask, BitReader otherIndices,
                                             uint32_t (*coordinates)[32]) const
@@ -510,8 +516,8 @@ namespace embree
           for (uint32_t rest=ownMask; rest; rest&=rest-1, first++)
             readVertex(entry,g,entry.fieldBitOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
           for (uint32_t rest=~ownMask & ((1u << vertexCount)-1); rest; rest&=rest-1) {
-            const uint32_t v = otherIndices.read(otherBits), of = groupOfVertex(entry,v);
-            readVertex(entry,of,entry.fieldBitOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+            const uint32_t v = otherIndices.read(otherBits), owner = groupOfVertex(entry,v);
+            readVertex(entry,owner,entry.fieldBitOfVertex(v,owner),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
 
@@ -586,7 +592,7 @@ namespace embree
             _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
             _mm256_cvtepi8_epi16(isOwn)));
 
-          // the group of each vertex: 15 minus the groups that begin after it
+          // the group of each vertex: 15 minus the number of groups that begin after it
           __m256i groups = _mm256_set1_epi16(15);
           for (int g=1; g<16; g++)
             groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(entry.firstVertex[g])),vertex));
@@ -595,13 +601,13 @@ namespace embree
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
-          // see fieldBitOfVertex
-          const __m256i zeros = _mm256_load_si256((const __m256i*)entry.fieldBitOfVertex0),
+          // bit: see fieldBitOfVertex
+          const __m256i bitOfVertex0 = _mm256_load_si256((const __m256i*)entry.fieldBitOfVertex0),
             byte = _mm256_set1_epi16(255);
-          const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
-            zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
-          const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
-            _mm_shuffle_epi8(zerosUpper,group)),
+          const __m128i lowerBytes = bytesOfWords(_mm256_and_si256(bitOfVertex0,byte)),
+            upperBytes = bytesOfWords(_mm256_srli_epi16(bitOfVertex0,8));
+          const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(lowerBytes,group),
+            _mm_shuffle_epi8(upperBytes,group)),
             _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(entry.fieldBits[3]))));
           alignas(32) uint16_t at[16];
           _mm256_store_si256((__m256i*)at,_mm256_srli_epi16(bit,3));
@@ -631,7 +637,7 @@ namespace embree
                 fields = _mm256_srlv_epi64(fields,size);
               }
             }
-            const __m256i of = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i == 0 ? _mm_cvtsi128_si64(group)
+            const __m256i eightGroups = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i == 0 ? _mm_cvtsi128_si64(group)
               : _mm_extract_epi64(group,1)));
             for (int k=0; k<3; k++)
             {
@@ -639,7 +645,7 @@ namespace embree
                 _mm256_castsi256_ps(halves[0][k]),_mm256_castsi256_ps(halves[1][k]),_MM_SHUFFLE(2,0,2,0))),
                 _MM_SHUFFLE(3,1,2,0));
               _mm256_store_si256((__m256i*)(coordinates[k]+n+i),
-                _mm256_add_epi32(packed,PerGroup(entry.lower[k]).at(of)));
+                _mm256_add_epi32(packed,PerGroup(entry.lower[k]).at(eightGroups)));
             }
           }
         }

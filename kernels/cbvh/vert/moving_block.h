@@ -38,7 +38,7 @@ namespace embree
         __forceinline bool isValid () const { return true; }
 
         /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
-        __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const
+        __forceinline bool mayIntersect (const VertRayBase<float>& ray, float tNear, float tFar) const
         {
           const SegmentBounds segmentBounds(block,segment);
           if (unlikely(segmentBounds.raw)) return true;

@@ -37,7 +37,7 @@ namespace embree
         __forceinline bool isValid () const { return true; }
 
         /*! Always true, see CachedMeshBlock. */
-        __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
+        __forceinline bool mayIntersect (const VertRayBase<float>&, float, float) const { return true; }
 
         /*! Boxes of groups at the time. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const

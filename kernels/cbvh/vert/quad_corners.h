@@ -79,20 +79,20 @@ namespace embree
         {
           right = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(1,2,3,20, 5,6,7,21, 9,10,11,22, 13,14,15,23),
             v.at[1]);
-          both  = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(5,6,7,21, 9,10,11,22, 13,14,15,23, 17,18,19,24),
+          upperRight = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(5,6,7,21, 9,10,11,22, 13,14,15,23, 17,18,19,24),
             v.at[1]);
         }
 
         /*! Corner c (column + 2 row) of the quads in vector j. */
         __forceinline vfloatV at (int, int c) const {
-          return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both
+          return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? upperRight
             : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),
               _mm512_castps_si512(left.at[0]),4)));
         }
 
       private:
-        CellVector left;
-        vfloatV right, both;
+        CellVector left; //!< vertices in their own lanes: corners 0
+        vfloatV right, upperRight;
 
 #elif defined(__AVX__)
         __forceinline explicit QuadCornersV (const CellVector& v) : left(v)

@@ -20,9 +20,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray, or rays in lanes, in world space. */
+      /*! Members that VertRay and VertRays share: a ray, or rays in lanes, in world space. */
       template<typename Real>
-      struct VertRayAxes
+      struct VertRayBase
       {
         /* A single ray's arrays have an unused fourth element, so that one vector store writes them: a vector load
          * waits for several smaller stores. */
@@ -63,7 +63,7 @@ namespace embree
       };
 
       /*! A single ray. Call set() before the first block; many rays reach none. */
-      struct VertRay : public VertRayAxes<float>
+      struct VertRay : public VertRayBase<float>
       {
         bool isSet;
         int kx, ky, kz;   //!< kz: axis of the largest component of dir, then the next axes kx and ky
@@ -104,7 +104,7 @@ namespace embree
 
       /*! Rays of a packet, one per lane. Call set() before the first block. */
       template<int K>
-      class VertRays : public VertRayAxes<vfloat<K>>
+      class VertRays : public VertRayBase<vfloat<K>>
       {
       public:
         vfloat<K> sx, sy;
@@ -118,7 +118,7 @@ namespace embree
           if (likely(isSet)) return;
           isSet = true;
           cache = &VertCache::ofThread();
-          VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
+          VertRayBase<vfloat<K>>::set(rays.org,rays.dir);
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largestComponent);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);

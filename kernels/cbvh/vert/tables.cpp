@@ -20,11 +20,11 @@ namespace embree
         const bool isVertex = lane < cellVertices;
         const int i = lane < 20 ? lane % 4 : 4, j = lane < 20 ? lane/4 : isVertex ? lane-20 : 4;
         for (int quads=1; quads<=16; quads++)
-          for (int kind=0; kind<2; kind++)
+          for (int isGroup=0; isGroup<2; isGroup++)
           {
-            const int step = kind ? 1 : int(groupQuads);
-            weightX[kind][quads-1][lane] = float(cellWeight(i,step,quads))/16.0f;
-            weightY[kind][quads-1][lane] = float(cellWeight(j,step,quads))/16.0f;
+            const int quadsPerVertex = isGroup ? 1 : int(groupQuads);
+            weightX[isGroup][quads-1][lane] = float(cellWeight(i,quadsPerVertex,quads))/16.0f;
+            weightY[isGroup][quads-1][lane] = float(cellWeight(j,quadsPerVertex,quads))/16.0f;
           }
         const int f = cellField(i,j);
         field[lane] = f < 0 ? 0 : f;
@@ -56,8 +56,8 @@ namespace embree
           const int bit = field[l]*bits;
           const int zero = 0x80; // selects no byte: the shuffle writes 0
           for (int byte=0; byte<4; byte++) {
-            w.control[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
-            w.fifth[row][4*(l & 3)+byte] =
+            w.shuffle[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
+            w.shuffleFifthByte[row][4*(l & 3)+byte] =
               uint8_t(hasField[l] && byte == 0 && bit % 8 + bits > 32 ? bit/8-offset+4 : zero);
           }
           w.shift[l] = bit % 8;

@@ -42,18 +42,18 @@ namespace embree
       struct Windows
       {
         static const int rows = 5;
-        alignas(16) uint8_t control[rows][16];  //!< shuffle: 4 bytes per lane, from the field's first byte on
-        alignas(16) uint8_t fifth[rows][16];    //!< shuffle: fifth byte of fields that have one
-        alignas(32) int32_t shift[4*rows];      //!< first bit of the field in its byte
-        alignas(16) int32_t factor[4*rows];     //!< moves the first bit to bit 7, as SSE has no shifts per lane
-        uint8_t offset[rows];                   //!< of the window, in bytes from the first field
+        alignas(16) uint8_t shuffle[rows][16]; //!< moves 4 bytes to each lane, from the field's first byte on
+        alignas(16) uint8_t shuffleFifthByte[rows][16]; //!< moves the fifth byte of fields that have one
+        alignas(32) int32_t shift[4*rows];     //!< first bit of the field in its byte
+        alignas(16) int32_t factor[4*rows];    //!< moves the first bit to bit 7, as SSE has no shifts per lane
+        uint8_t offset[rows];                  //!< of the window, in bytes from the first field
         /*! Byte and bit at which the field in the row's fifth column starts. Unused in the first and last row, where
          *  it is a corner. */
         uint8_t columnOffset[rows], columnShift[rows];
       };
 
       static const int maxWindowBits = 32;
-      static const int maxBitsOfFour = 25; //!< largest field that always fits into four bytes, at first bits 0 to 7
+      static const int maxFourByteBits = 25; //!< largest field that fits into four bytes from each first bit, 0 to 7
       static const int maxOverread = 8;    //!< bytes that windows may read after the last field
 
       /*! False for fields below 3 bits, whose windows would read too far, and of 31 bits: four can extend over 17
