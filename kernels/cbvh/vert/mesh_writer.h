@@ -29,26 +29,26 @@ namespace embree
         return groupTriangles/mesh.trianglesPerPrimitive;
       }
 
-      /*! Writes a cluster. groups: of consecutive primitives. The caller must flush the store after the last cluster of
-       *  a part, whose blocks must be contiguous. */
+      /*! Writes a cluster. groups: its division into groups of consecutive primitives. The caller must flush the store
+       *  after the last cluster of a part, whose blocks must be contiguous. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double squaredDeviation = 0; // largest squared distance by which rounding moved a corner
-        uint32_t n = 0;
-        const cbvh::MeshGroups stored = storeGroups(groups,n,[&](uint32_t i) {
+        uint32_t numTriangles = 0;
+        const cbvh::MeshGroups stored = storeGroups(groups,numTriangles,[&](uint32_t i) {
           for (uint32_t k=0; k<source.mesh.trianglesPerPrimitive; k++) {
-            cbvh::MeshTriangle& triangle = triangles[n];
+            cbvh::MeshTriangle& triangle = triangles[numTriangles];
             triangle.number = source.mesh.triangleOf(cluster[i].index,k);
             if (source.mesh.areHalvesOfQuads() && source.isDegenerate(triangle.number)) continue; // a quad's empty half
             squaredDeviation = max(squaredDeviation,source.snapCorners(triangle.number,triangle.corners));
-            n += hasDistinctCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
+            numTriangles += hasDistinctCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
           }
         });
         statistics.addDeviation(squaredDeviation);
-        if (n == 0) return;
+        if (numTriangles == 0) return;
         cbvh::MeshStatistics meshStatistics;
         encoder.encodeCluster(triangles,stored,source.mesh.areHalvesOfQuads(),surfaceNumber,block,meshStatistics,
-          [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,triangles+first,stored); });
+          [&](size_t bytes, uint32_t first, uint32_t count) { commitBlock(bytes,triangles+first,count); });
       }
 
       /*! Calls storePrimitive(i) for each primitive i of a cluster, which must add the number of triangles that it
@@ -105,7 +105,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more, for a rejected one
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more, because a rejected triangle is overwritten
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

@@ -26,19 +26,20 @@ namespace embree
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double squaredDeviation = 0; // largest squared distance by which rounding moved a vertex
-        uint32_t n = 0;
-        const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,n,[&](uint32_t i) {
+        uint32_t numTriangles = 0;
+        const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,numTriangles,[&](uint32_t i) {
           for (uint32_t k=0; k<source.mesh.trianglesPerPrimitive; k++) {
             const uint32_t number = source.mesh.triangleOf(cluster[i].index,k);
             if (source.haveEqualCorners(number)) continue; // a quad with three corners has one triangle
-            triangles[n].number = number;
-            source.cornerIDs(number,ids[n]);
+            cbvh::MeshTriangle& triangle = triangles[numTriangles];
+            uint32_t (&cornerIDs)[3] = ids[numTriangles++];
+            triangle.number = number;
+            source.cornerIDs(number,cornerIDs);
             for (int c=0; c<3; c++)
-              squaredDeviation = max(squaredDeviation,source.snapVertex(0,ids[n][c],triangles[n].corners[c]));
-            n++;
+              squaredDeviation = max(squaredDeviation,source.snapVertex(0,cornerIDs[c],triangle.corners[c]));
           }
         });
-        if (n == 0) return;
+        if (numTriangles == 0) return;
         const cbvh::MovingCluster movingCluster = { triangles,ids,stored,source.mesh.areHalvesOfQuads(),
           plan.surfaceNumber,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
         cbvh::MeshStatistics meshStatistics;
@@ -47,7 +48,7 @@ namespace embree
             squaredDeviation = max(squaredDeviation,source.snapVertex(step,id,out));
             extend(boxes[step],out);
           },
-          [&](size_t bytes, uint32_t first, uint32_t stored) { commitBlock(bytes,first,stored); });
+          [&](size_t bytes, uint32_t first, uint32_t count) { commitBlock(bytes,first,count); });
         statistics.sums.motionBytes += size_t(meshStatistics.stepBytes);
         statistics.addDeviation(squaredDeviation);
         store.flushIfFull();
@@ -86,7 +87,7 @@ namespace embree
       cbvh::BuildStatistics& statistics;
       cbvh::MeshMotionEncoder encoder;
       cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
-      uint32_t ids[cbvh::maxMeshTriangles][3];
+      uint32_t ids[cbvh::maxMeshTriangles][3]; //!< vertices of the triangles' corners
       std::vector<cbvh::StepBox> boxes; //!< of the current block, by step
       std::vector<uint32_t> words;      //!< the encoded block
     };

@@ -28,9 +28,9 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), evaluatedVertices(device), stepVertices(device,0) {}
 
-      /*! Rows of quads in a strip, a multiple of a block's. All time steps of a strip have about 256 x 256 quads. */
+      /*! Rows of quads in a strip, a multiple of a block's. All time steps of a strip have about stripQuads quads. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
-        return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
+        return max(stripQuads/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
       /*! Writes a patch that is a single strip. verticesAt(step): the patch's vertices at a time step, or null if the
@@ -47,22 +47,23 @@ namespace embree
           });
       }
 
-      /*! Writes a strip. begin, end: vertices of its first and last row, step by step; null at the patch's border. Both
+      /*! Writes a strip. firstRow, lastRow: vertices of these rows, step by step; null at the patch's border. Both
        *  strips at a row must receive the same vertices, because evaluating them again may return other values. */
       template<typename Patch>
-      void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
+      void write (Patch& patch, const PatchPart& strip, const float (*firstRow)[3], const float (*lastRow)[3])
       {
         writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> PatchVertices& {
             PatchVertices& vertices = patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
-            if (begin) memcpy(vertices.displaced(),begin + step*vertices.width,vertices.width*sizeof(*begin));
-            float (*last)[3] = vertices.displaced() + (vertices.height-1)*vertices.width;
-            if (end) memcpy(last,end + step*vertices.width,vertices.width*sizeof(*end));
+            const size_t rowBytes = vertices.width*sizeof(float[3]);
+            float (*first)[3] = vertices.displaced(), (*last)[3] = first + (vertices.height-1)*vertices.width;
+            if (firstRow) memcpy(first,firstRow + step*vertices.width,rowBytes);
+            if (lastRow) memcpy(last,lastRow + step*vertices.width,rowBytes);
             return vertices;
           });
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows and columns of quads in a strip
+      static const unsigned stripQuads = 256*256; //!< quads in a strip, of all time steps together
 
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
@@ -121,16 +122,16 @@ namespace embree
       void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         const cbvh::VertPlacement placement = choosePlacement(patch,x,y,w,h);
-        cbvh::VertStatistics block;
+        cbvh::VertStatistics blockStatistics;
         uint8_t* const bytes = store.reserve(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
-        const size_t size = encoder.encode(placement,bytes,block);
+        const size_t size = encoder.encode(placement,bytes,blockStatistics);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
         }
         cbvh::WorldBounds bounds;
         extend(bounds,encoder);
-        commitBlock(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
+        commitBlock(patch,(cbvh::VertHeader*)bytes,size,blockStatistics,bounds,cbvh::VERT_BLOCK);
       }
 
       /*! copy(step,out) must store the block's vertices at a time step. */
@@ -154,16 +155,16 @@ namespace embree
           for (int k=0; k<3; k++) { box.lower[k] = vertices.lower[k]; box.upper[k] = vertices.upper[k]; }
           store.boxes.push_back(box);
         }
-        cbvh::MotionStatistics block;
-        const size_t size = movingEncoder->finish(block);
+        cbvh::MotionStatistics blockStatistics;
+        const size_t size = movingEncoder->finish(blockStatistics);
         if (size == 0) {
           store.boxes.resize(firstBox);
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
         }
         statistics.sums.numMovingQuads += size_t(w)*h;
-        statistics.sums.motionBytes += block.stepBytes;
-        commitBlock(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
+        statistics.sums.motionBytes += blockStatistics.stepBytes;
+        commitBlock(patch,(cbvh::VertHeader*)bytes,size,blockStatistics,bounds,cbvh::MOVING_VERT_BLOCK);
       }
 
       static void extend (cbvh::WorldBounds& bounds, const cbvh::BlockVertices& vertices)
@@ -183,12 +184,12 @@ namespace embree
 
       /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */
       void commitBlock (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size,
-                        const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
+                        const cbvh::VertStatistics& blockStatistics, const cbvh::WorldBounds& bounds, uint32_t type)
       {
         header->surface = patch.surfaceNumber;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
-        addToStatistics(header,size,block);
+        addToStatistics(header,size,blockStatistics);
         if (patch.numbers)
           addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
@@ -196,20 +197,20 @@ namespace embree
       }
 
       /*! Adds a block to the statistics. bytes: size without padding. */
-      void addToStatistics (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
+      void addToStatistics (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& blockStatistics)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->info);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
-        const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
+        const size_t nodesEnd = blockStatistics.raw ? layout.margins : layout.cell;
         const size_t quads = size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
         cbvh::CompressionStatistics& sums = statistics.sums;
         sums.headerBytes += layout.margins;
         sums.nodeBytes += nodesEnd - layout.margins;
         sums.leafBytes += stride - nodesEnd;
         sums.numBlocks++;
-        sums.numRawBlocks += block.raw;
+        sums.numRawBlocks += blockStatistics.raw;
         sums.numQuads += quads;
-        sums.numInvalidQuads += block.invalidQuads;
+        sums.numInvalidQuads += blockStatistics.invalidQuads;
         if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
       }
 
@@ -233,23 +234,23 @@ namespace embree
                                           unsigned h) const
       {
         const uint32_t region = cbvh::packRegion(w,h,x,y), quads = cbvh::packPatchQuads(patch.quads[0],patch.quads[1]);
-        const bool touches[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
+        const bool isAtBorder[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
         bool needsEdges = patch.corner[0] != 0 || patch.corner[1] != 0;
-        for (int s=0; s<4; s++) needsEdges |= touches[s] && sideRates[s] != patch.quads[s & 1];
+        for (int s=0; s<4; s++) needsEdges |= isAtBorder[s] && sideRates[s] != patch.quads[s & 1];
         if (!needsEdges) return cbvh::VertPlacement(region,quads);
         return cbvh::VertPlacement(region,quads,
           cbvh::packEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
       /*! Rounds the vertices of a strip to their lattices, and adds the distances to the statistics. Returns the number
-       *  of quads with a triangle that rounding turns over. */
+       *  of quads with a triangle that rounding flips. */
       template<typename Patch>
       size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
                            PatchVertices& vertices)
       {
-        float (*p)[3] = vertices.displaced();
+        float (*snapped)[3] = vertices.displaced();
         // the memory of undisplaced vertices, which cVERT does not use, stores the vertices before rounding
-        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p));
+        memcpy(vertices.undisplaced(),snapped,vertices.width*vertices.height*sizeof(*snapped));
         const float (*original)[3] = vertices.undisplaced();
         // shareBorder rounds the vertices on the patch's border
         for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
@@ -257,18 +258,19 @@ namespace embree
           size_t i = y*vertices.width + 1;
           const size_t end = i + vertices.width-2;
           for (; i+4 <= end; i+=4)
-            statistics.addDeviation(cbvh::snapFour(lattice,original+i,p+i)*double(lattice.spacing)
+            statistics.addDeviation(cbvh::snapFour(lattice,original+i,snapped+i)*double(lattice.spacing)
                                     *double(lattice.spacing));
           for (; i<end; i++)
           {
-            for (int k=0; k<3; k++) p[i][k] = lattice.snap(original[i][k]);
-            statistics.addVertex(original[i],p[i]);
+            for (int k=0; k<3; k++) snapped[i][k] = lattice.snap(original[i][k]);
+            statistics.addVertex(original[i],snapped[i]);
           }
         }
-        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,original,p,statistics);
-        return countFlipped(vertices,original,p);
+        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,original,snapped,statistics);
+        return countFlipped(vertices,original,snapped);
       }
 
+      /*! Number of quads with a triangle whose normal turns by more than 90 degrees. */
       static size_t countFlipped (const PatchVertices& vertices, const float (*original)[3], const float (*snapped)[3])
       {
         size_t n = 0;
@@ -298,7 +300,7 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices evaluatedVertices; //!< copy of the caller's
+      PatchVertices evaluatedVertices; //!< copy of vertices that the caller evaluated
       mvector<float> stepVertices;  //!< rounded vertices of a strip, step by step
       unsigned sideRates[4];        //!< edge rates of the patch's sides, equal in adjacent faces
       cbvh::VertEncoder encoder;
