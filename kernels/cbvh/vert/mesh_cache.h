@@ -49,6 +49,7 @@ namespace embree
 
       static const uint32_t width = 16;
     };
+    /* 7: the vertices occupy 6. Every further cache line would cost 46 or 90 KiB per thread, see VertBlockEntry. */
     static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
     /*! Key of a half in the cache. half: group, plus 16 for the second half. Unique, because blocks have at least 32
@@ -58,13 +59,13 @@ namespace embree
     class MeshEntries
     {
     public:
-      /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. */
+      /*! As VertEntries::blockEntry. 1024: neighboring blocks of more bytes have different entries. */
       __forceinline MeshBlockEntry& blockEntry (const void* block) {
         return blocks[blocks.indexOf(localityHashOfBlock(block,1024))];
       }
 
-      /*! The 32 entries of a block's halves, in the order of keyOfHalf. If a key differs, the caller must decode the
-       *  half into the entry and set the key. */
+      /*! The 32 entries of a block's halves, in the order of keyOfHalf. 64: 2048 bytes per 32 halves. If a key
+       *  differs, the caller must decode the half into the entry and set the key. */
       __forceinline MeshTriangles* halves (const void* block) {
         return &groups[groups.indexOf(localityHashOfBlock(block,64))];
       }
@@ -82,13 +83,13 @@ namespace embree
 
     /* --- moving blocks --- */
 
-    /*! Vertex fields of a block at a time step after the first (mesh_motion.h). */
+    /*! Where the vertex fields of a block are at a time step after the first (mesh_motion.h). */
     struct MeshStepFields
     {
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
-      uint8_t bits[3][16];        //!< of a field, by axis and group
-      uint32_t base[3][16];       //!< to add to fields, by axis and group
+      uint8_t bits[3][16];        //!< bits of a field: [axis][group]
+      uint32_t base[3][16];       //!< number to add to fields: [axis][group]
     };
 
     /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. No axis is sheared. */

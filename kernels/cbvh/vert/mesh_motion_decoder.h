@@ -20,7 +20,7 @@ namespace embree
       {
       public:
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
-          : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
+          : MeshDecoder(block), block(block), numGroups(meshGroups(block->counts)) {}
 
         /*! Decodes the entry of a block in a segment, except for out.key. */
         void decode (uint32_t segment, MeshSegmentEntry& out) const
@@ -58,8 +58,8 @@ namespace embree
         }
 
       private:
-        /*! Sets the planes on axis k at a step; null for the first step. extent: raised to their largest distance from
-         *  the origin. */
+        /*! Sets the planes on axis k. step: null for the first time step. origin: of the step. extent: raised to the
+         *  planes' largest distance from the origin. */
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
@@ -67,8 +67,8 @@ namespace embree
           const bool isSheared = !step && isShearedAxis(k);
           for (uint32_t l=0; l<16; l++)
           {
-            const uint32_t g = min(l,groups-1), begin = plane(step,k,g) << shift,
-              end = begin + ((plane(step,3+k,g)+1) << shift);
+            const uint32_t g = min(l,numGroups-1), begin = boxByte(step,k,g) << shift,
+              end = begin + ((boxByte(step,3+k,g)+1) << shift);
             float lower, upper;
             if (unlikely(hasRanks(spacings,k))) {
               lower = floatOfRank(rankOfFloat(origin) + begin);
@@ -99,8 +99,8 @@ namespace embree
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->info,k);
-            const int slope = meshSlope(block->info,i), lower = int(plane(nullptr,k,g) << shift),
-              upper = lower + int((plane(nullptr,3+k,g)+1) << shift) - 1;
+            const int slope = meshSlope(block->info,i), lower = int(boxByte(nullptr,k,g) << shift),
+              upper = lower + int((boxByte(nullptr,3+k,g)+1) << shift) - 1;
             minShear += slope*(slope < 0 ? upper : lower);
             maxShear += slope*(slope < 0 ? lower : upper);
           }
@@ -108,22 +108,23 @@ namespace embree
           values[1] -= minShear >> 4;
         }
 
-        /*! Byte of a step's box of group g; null for the first step. i: 0 to 2 for lower planes, 3 to 5 for extents. */
-        uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
+        /*! Byte of the box of group g. step: null for the first time step. i: 0 to 2 for lower planes, 3 to 5 for
+         *  extents. */
+        uint32_t boxByte (const MeshStep* step, uint32_t i, uint32_t g) const
         {
-          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->info).boxes
+          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(numGroups,step->info).boxes
             : (const uint8_t*)block + meshLayout(block->counts).boxes;
-          return boxes[i*groups+g];
+          return boxes[i*numGroups+g];
         }
 
         /*! Decodes where the groups' fields begin, and their bases, at a step after the first. */
         void decodeFields (const MeshStep& step, MeshStepFields& out) const
         {
-          const MeshStepLayout layout = meshStepLayout(groups,step.info);
+          const MeshStepLayout layout = meshStepLayout(numGroups,step.info);
           const uint8_t* const bases = (const uint8_t*)&step + layout.bases;
           out.data = (const uint8_t*)&step + layout.fields;
           uint32_t begin = 0, at = 0;
-          for (uint32_t g=0; g<groups; g++)
+          for (uint32_t g=0; g<numGroups; g++)
           {
             const uint32_t record = meshStepRecord(&step,g);
             out.begin[g] = uint16_t(begin);
@@ -161,7 +162,7 @@ namespace embree
             if ((ownMask >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
             const uint32_t v = meshBitsAt(data,begin + at.otherIndices + at.otherBits*other++,at.otherBits);
             uint32_t owner = 0;
-            while (owner+1 < groups && v >= entry.firstVertex[owner+1]) owner++;
+            while (owner+1 < numGroups && v >= entry.firstVertex[owner+1]) owner++;
             out.group[i] = uint8_t(owner);
             out.index[i] = uint8_t(v-entry.firstVertex[owner]);
           }
@@ -171,7 +172,7 @@ namespace embree
         static void decodeStep (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
                                 const VertexOwners& owners, MeshVertices& out)
         {
-          alignas(64) uint32_t residuals[3][32]; // coordinates minus predicted ones
+          alignas(64) uint32_t residuals[3][32]; // coordinates minus predicted coordinates
           for (uint32_t i=0; i<owners.numVertices; i++)
           {
             const uint32_t g = owners.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };
@@ -194,7 +195,7 @@ namespace embree
         }
 
         const MeshHeader* const block;
-        const uint32_t groups;
+        const uint32_t numGroups;
       };
     }
   }
