@@ -97,6 +97,26 @@ RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, 
   return data;
 }
 
+#if RTC_VERSION >= 40400
+RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
+  RTCFormat format, const void* ptr, const void* dptr, size_t byteOffset, size_t byteStride, size_t itemCount)
+{
+  REAL(rtcSetSharedGeometryBufferHostDevice)(geometry, type, slot, format, ptr, dptr, byteOffset, byteStride,
+    itemCount);
+  setBuffer(geometry, type, slot, {format, (const char*)ptr + byteOffset, byteStride, itemCount});
+}
+
+RTC_API void rtcSetNewGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
+  RTCFormat format, size_t byteStride, size_t itemCount, void** ptr, void** dptr)
+{
+  void* data = nullptr;
+  REAL(rtcSetNewGeometryBufferHostDevice)(geometry, type, slot, format, byteStride, itemCount, &data, dptr);
+  if (!data) return;
+  if (ptr) *ptr = data;
+  setBuffer(geometry, type, slot, {format, (const char*)data, byteStride, itemCount});
+}
+#endif
+
 RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot)
 {
   REAL(rtcUpdateGeometryBuffer)(geometry, type, slot);

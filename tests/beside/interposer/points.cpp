@@ -46,10 +46,10 @@ std::string textOf(const Calls& calls)
   return text.empty() ? " no calls" : text;
 }
 
-unsigned arrayID = 3;   // of the array in its scene
+constexpr unsigned arrayID = 3;   // of an array in its scene
 
-/* Geometries of the two scenes: 0 and 1 are a subdivision surface and a mesh in `surfaceFirst`, a mesh and a subdivision
- * surface in `meshFirst`. The calls for an instance are therefore its scene's mesh. */
+/* Both scenes contain a subdivision surface and a mesh, with the IDs 0 and 1 in `surfaceFirst`, and 1 and 0 in
+ * `meshFirst`. Embree calls the function for the mesh only. */
 constexpr unsigned meshOfSurfaceFirst = 1, meshOfMeshFirst = 0;
 
 class Test
@@ -115,8 +115,8 @@ RTCGeometry Test::newArray(unsigned numInstances)
   return array;
 }
 
-/* Runs point queries at the instances of a new scene with the array. geomIDs: of the geometry in each instance for which
- * Embree calls the function, or `none`. */
+/* Runs point queries at the instances of an array in a new scene. geomIDs: for each instance, the ID of the geometry
+ * for which Embree calls the function, or `none`. */
 void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigned>& geomIDs)
 {
   rtcCommitGeometry(array);
@@ -175,6 +175,15 @@ void Test::indices()
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, &second[1], 0, 0, 4);
   expect("a stride of 0", array, std::vector<unsigned>(4, meshOfSurfaceFirst));
 
+#if RTC_VERSION >= 40400
+  void* ownPair = nullptr;
+  rtcSetNewGeometryBufferHostDevice(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4, &ownPair, nullptr);
+  std::copy(first, first + 4, (unsigned*)ownPair);
+  expect("a buffer pair of the array", array, ofFirst);
+  rtcSetSharedGeometryBufferHostDevice(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, shared, nullptr, 8, 12, 4);
+  expect("a shared buffer pair", array, ofSecond);
+#endif
+
   const RTCBuffer buffer = rtcNewBuffer(device, 16 + 8*4);
   unsigned* const data = (unsigned*)rtcGetBufferData(buffer) + 4;
   for (unsigned i = 0; i < 4; i++) data[2*i] = first[i], data[2*i + 1] = 1000;
@@ -211,15 +220,15 @@ void Test::scenes()
 void Test::rejectedCalls()
 {
   const RTCGeometry array = newArray(2), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  const unsigned indices[4] = {0, 1, 1, 0};
+  const unsigned indices[4] = {0, 1, 0, 0};
   const std::vector<unsigned> geomIDs = {meshOfSurfaceFirst, meshOfMeshFirst};
   setScenes(array, {surfaceFirst, meshFirst});
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices, 0, 4, 2);
   expect("a shared buffer", array, geomIDs);
   const auto isRejected = [&] { return rtcGetDeviceError(device) != RTC_ERROR_NONE; };
-  rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT2, indices + 1, 0, 4, 2);
+  rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT2, indices, 0, 8, 2);
   CHECK(isRejected());
-  rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, indices + 1, 0, 4, 2);
+  rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, indices, 0, 8, 2);
   CHECK(isRejected());
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices + 1, 2, 4, 2);
   CHECK(isRejected());
@@ -233,7 +242,9 @@ void Test::rejectedCalls()
   rtcSetGeometryInstancedScene(instance, meshFirst);
   setScenes(instance, {surfaceFirst});
   CHECK(isRejected());
-  expect("scenes of an instance", instance, {meshOfMeshFirst});
+  rtcSetGeometryInstancedScene(instance, nullptr);
+  CHECK(isRejected());
+  expect("rejected calls for an instance", instance, {meshOfMeshFirst});
   rtcReleaseGeometry(instance);
   rtcReleaseGeometry(array);
 }
