@@ -54,6 +54,7 @@ else
   preload=LD_PRELOAD=$build/kernels/beside/interposer/libembree_cbvh_interposer.so
 fi
 inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4" &&
+  inside "g++ -std=c++17 $flags tests/interposer/points.cpp -o points -lembree4" &&
   inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" ||
   fail "the programs do not compile"
 ospray=
@@ -75,6 +76,12 @@ inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /de
   { cat "$work/nonsense.log"; fail "the unknown setting must be reported exactly once"; }
 inside "EMBREE_CBVH=leaf,frame_level=2,verbose $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
   fail "settings without effect turn compression off"
+
+# --- points: calls of point queries must match without the interposer and with it --------------
+inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"
+inside "$preload EMBREE_CBVH=verbose ./points > points.log 2>&1" ||
+  { cat "$work/points.log"; fail "calls of point queries differ"; }
+grep -q 'compression: 1 subdivision surface' "$work/points.log" || fail "no surface of the point queries is compressed"
 
 # --- pictures ------------------------------------------------------------------------------------
 # row NAME OPTIONS PROGRAM: renders a picture both ways and prints a row of the table. PROGRAM contains PICTURE in

@@ -243,10 +243,10 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
 {
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, type);
   if (!geometry || !isActive()) return geometry;
-  if (isInstance(type)) Objects::get().addGeometry(geometry, nullptr);
+  if (isInstance(type)) Objects::get().addGeometry(geometry, type, nullptr);
   if (!options().compresses(type)) return geometry;
   if (Substituted* const substituted = Substituted::make(device, devices.settingsOf(device), geometry, type))
-    Objects::get().addGeometry(geometry, substituted);
+    Objects::get().addGeometry(geometry, type, substituted);
   return geometry;
 }
 
@@ -265,11 +265,11 @@ RTC_API void rtcReleaseGeometry(RTCGeometry geometry)
 RTC_API void rtcSetGeometryInstancedScene(RTCGeometry geometry, RTCScene scene)
 {
   REAL(rtcSetGeometryInstancedScene)(geometry, scene);
-  if (isActive()) Objects::get().setInstanced(geometry, &scene, 1);
+  if (isActive()) Objects::get().setInstancedScene(geometry, scene);
 }
 
 RTC_API void rtcSetGeometryInstancedScenes(RTCGeometry geometry, RTCScene* scenes, size_t numScenes)
 {
   REAL(rtcSetGeometryInstancedScenes)(geometry, scenes, numScenes);
-  if (isActive()) Objects::get().setInstanced(geometry, scenes, numScenes);
+  if (isActive()) Objects::get().setInstancedScenes(geometry, scenes, numScenes);
 }

@@ -3,6 +3,8 @@
 
 #include "objects.h"
 
+#include <cstring>
+
 namespace interposer {
 
 typedef std::lock_guard<std::mutex> Lock;
@@ -15,11 +17,12 @@ void Objects::addScene(RTCScene scene)
   scenes[scene] = added;
 }
 
-void Objects::addGeometry(RTCGeometry geometry, Substituted* substituted)
+void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, Substituted* substituted)
 {
   const Lock lock(mutex);
   Geometry* const added = new Geometry;
   added->handle = geometry;
+  added->type = type;
   added->substituted.reset(substituted);
   geometries[geometry] = added;
 }
@@ -66,12 +69,13 @@ void Objects::release(Geometry* geometry, Garbage& garbage)
   if (--geometry->references > 0) return;
   geometries.erase(geometry->handle);
   garbage.geometries.emplace_back(geometry);
-  for (Scene* const scene : geometry->scenes) release(scene, garbage);
+  release(geometry->instanced.only, garbage);
+  for (Scene* const scene : geometry->instanced.all) release(scene, garbage);
 }
 
 void Objects::release(Scene* scene, Garbage& garbage)
 {
-  if (--scene->references > 0) return;
+  if (!scene || --scene->references > 0) return;
   scenes.erase(scene->handle);
   garbage.scenes.emplace_back(scene);
   for (const auto& attached : scene->attachments) release(attached.second.geometry, garbage);
@@ -116,22 +120,83 @@ Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID)
   return garbage;
 }
 
-Objects::Garbage Objects::setInstanced(RTCGeometry geometry, const RTCScene* instanced, size_t count)
+/* --- instances ----------------------------------------------------------------------------- */
+
+const Scene* InstancedScenes::find(unsigned int instPrimID) const
+{
+  if (only || instPrimID >= indices.count) return only;
+  unsigned int index;
+  std::memcpy(&index, indices.data + instPrimID*indices.stride, sizeof(index));
+  return index < all.size() ? all[index] : nullptr; // RTC_INVALID_GEOMETRY_ID: the instance has no scene
+}
+
+Scene* Objects::findAndRetain(RTCScene scene)
+{
+  Scene* const found = findOrNull(scenes, scene);
+  if (found) found->references++;
+  return found;
+}
+
+Geometry* Objects::findArray(RTCGeometry geometry)
+{
+  Geometry* const found = findOrNull(geometries, geometry);
+  return found && found->type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY ? found : nullptr;
+}
+
+Objects::Garbage Objects::setInstancedScene(RTCGeometry geometry, RTCScene scene)
 {
   const Lock lock(mutex);
   Garbage garbage;
   Geometry* const instance = findOrNull(geometries, geometry);
-  if (!instance) return garbage;
+  if (!instance || instance->substituted || !scene) return garbage;
+  Scene* const previous = instance->instanced.only;
+  instance->instanced.only = findAndRetain(scene);
+  release(previous, garbage);
+  return garbage;
+}
+
+Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScene* instanced, size_t count)
+{
+  const Lock lock(mutex);
+  Garbage garbage;
+  Geometry* const array = findArray(geometry);
+  if (!array || !instanced) return garbage;
   std::vector<Scene*> previous;
-  previous.swap(instance->scenes);
-  for (size_t i = 0; i < count; i++)
-    if (Scene* const scene = findOrNull(scenes, instanced[i])) {
-      scene->references++;
-      instance->scenes.push_back(scene);
-    }
+  previous.swap(array->instanced.all);
+  for (size_t i = 0; i < count; i++) array->instanced.all.push_back(findAndRetain(instanced[i]));
   for (Scene* const scene : previous) release(scene, garbage);
   return garbage;
 }
+
+void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer)
+{
+  const Lock lock(mutex);
+  Geometry* const array = findArray(geometry);
+  if (!array || slot != 0 || (type != RTC_BUFFER_TYPE_INDEX && type != RTC_BUFFER_TYPE_TRANSFORM)) return;
+  /* Embree has the new buffer, or still its previous one if it rejected the call. */
+  const void* const data = REAL(rtcGetGeometryBufferData)(geometry, type, slot);
+  const bool isAccepted = data == buffer.data && buffer.stride % 4 == 0;
+  InstancedScenes& instanced = array->instanced;
+  if (type == RTC_BUFFER_TYPE_TRANSFORM) {
+    if (isAccepted) instanced.numTransforms = buffer.count;
+  }
+  else if (isAccepted && buffer.format == RTC_FORMAT_UINT) instanced.indices = buffer;
+  else if (data != instanced.indices.data) instanced.indices = Buffer(); // not the application's data
+}
+
+void Objects::commitArray(RTCGeometry geometry)
+{
+  const Lock lock(mutex);
+  Geometry* const array = findArray(geometry);
+  if (!array) return;
+  /* Embree ignores the index of an array with a single instance. It keeps the scene if the array grows later. */
+  InstancedScenes& instanced = array->instanced;
+  if (instanced.only || instanced.numTransforms != 1 || instanced.all.empty() || !instanced.all[0]) return;
+  instanced.only = instanced.all[0];
+  instanced.only->references++;
+}
+
+/* --- substitutes in scenes -------------------------------------------------------------------- */
 
 std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene& scene)
 {
@@ -163,15 +228,19 @@ bool Objects::setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* g
   return true;
 }
 
-bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances,
+bool Objects::isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel,
   unsigned int geomID)
 {
   const Lock lock(mutex);
   const Scene* inner = findOrNull(scenes, scene);
-  for (unsigned int level = 0; level < numInstances && inner; level++) {
-    const auto instance = inner->attachments.find(instances[level]);
-    inner = instance == inner->attachments.end()
-      || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
+  for (unsigned int level = firstLevel; level < context.instStackSize && inner; level++) {
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+    const unsigned int instPrimID = context.instPrimID[level];
+#else
+    const unsigned int instPrimID = 0;
+#endif
+    const auto instance = inner->attachments.find(context.instID[level]);
+    inner = instance == inner->attachments.end() ? nullptr : instance->second.geometry->instanced.find(instPrimID);
   }
   if (!inner) return false;
   const auto attached = inner->attachments.find(geomID);

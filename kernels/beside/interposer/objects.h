@@ -18,13 +18,27 @@ namespace interposer {
 
 struct Scene;
 
-/* A geometry with a substitute, or an instance. */
+/* The scenes of an instance or an instance array, and how Embree 4.3 and 4.4 choose one for each instance of an array.
+ * Embree holds a reference to all of them. */
+struct InstancedScenes
+{
+  Scene* only = nullptr;            // if set: the scene of all instances, also after rtcSetGeometryInstancedScenes
+  std::vector<Scene*> all;          // of rtcSetGeometryInstancedScenes; NULL where the application passed NULL
+  Buffer indices = Buffer();        // for each instance of an array: an index into `all`
+  size_t numTransforms = 0;         // of the first time step of an array: its number of instances
+
+  /* Returns NULL if the instance has no scene. Reads the index buffer, whose owner is Embree or the application. */
+  const Scene* find(unsigned int instPrimID) const;
+};
+
+/* A geometry with a substitute, an instance or an instance array. */
 struct Geometry
 {
   RTCGeometry handle;
+  RTCGeometryType type;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  std::vector<Scene*> scenes;       // for an instance: the instanced scenes
+  InstancedScenes instanced;        // empty for other geometries
 };
 
 struct Attachment
@@ -56,8 +70,8 @@ public:
   static Objects& get() { static Objects& objects = *new Objects; return objects; }
 
   void addScene(RTCScene scene);
-  /* Takes ownership of `substituted`, which is NULL for instances. */
-  void addGeometry(RTCGeometry geometry, Substituted* substituted);
+  /* Takes ownership of `substituted`, which is NULL for instances and instance arrays. */
+  void addGeometry(RTCGeometry geometry, RTCGeometryType type, Substituted* substituted);
 
   /* Return NULL for unknown objects. The result is valid while the caller holds a reference to the handle. */
   Scene* find(RTCScene scene);
@@ -79,7 +93,13 @@ public:
 
   void attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal);
   Garbage detach(RTCScene scene, unsigned int geomID);
-  Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
+
+  /* Changes of instances and instance arrays, to call after Embree's function. Calls that Embree rejects, and calls for
+   * other geometries, have no effect. */
+  Garbage setInstancedScene(RTCGeometry geometry, RTCScene scene);
+  Garbage setInstancedScenes(RTCGeometry geometry, const RTCScene* scenes, size_t count);
+  void setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer);
+  void commitArray(RTCGeometry geometry);
 
   /* Retains and returns the attached geometries that have substitutes, with their geomIDs. The caller must pass the
    * result to releaseAll. */
@@ -89,13 +109,15 @@ public:
    * one by the other, and false if nothing changes, or if another thread has detached the geometry. */
   bool setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if Embree's geometry with this ID is a substitute. instances: IDs of instances from `scene` to the scene with
-   * this geometry, outermost first. An instance array counts as an instance of its first scene. */
-  bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
+  /* True if Embree's geometry with this ID is a substitute. context: its instances from firstLevel on lead from `scene`
+   * to the scene with this geometry, outermost first. */
+  bool isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel, unsigned int geomID);
 
 private:
   void release(Geometry* geometry, Garbage& garbage);
-  void release(Scene* scene, Garbage& garbage);
+  void release(Scene* scene, Garbage& garbage);     // does nothing for NULL
+  Scene* findAndRetain(RTCScene scene);             // returns NULL for unknown scenes
+  Geometry* findArray(RTCGeometry geometry);        // returns NULL for other geometries
 
   std::mutex mutex;
   std::unordered_map<RTCScene, Scene*> scenes;

@@ -15,6 +15,7 @@ struct PointQuery
 {
   RTCScene scene;
   RTCPointQueryFunction function;
+  unsigned int firstLevel; // number of instances that the application entered before the query
 };
 thread_local const PointQuery* current = nullptr; // innermost query of the thread
 
@@ -32,20 +33,19 @@ private:
 
 bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
 {
-  const unsigned int* const instances = args->context->instStackSize > 0 ? args->context->instID : nullptr;
-  if (!Objects::get().isSubstituted(current->scene, instances, args->context->instStackSize, args->geomID))
+  if (!Objects::get().isSubstituted(current->scene, *args->context, current->firstLevel, args->geomID))
     return current->function(args);
   return false;
 }
 
 /* query: calls Embree's function with the RTCPointQueryFunction that it receives. */
 template<typename Query>
-bool runQuery(RTCScene scene, RTCPointQueryFunction function, const Query& query)
+bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQueryFunction function, const Query& query)
 {
   if (!function || !hasSubstitutes() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     warnOnce("point queries do not find grids, quads and triangles that are compressed");
-  const PointQuery entered = {scene, function};
+  const PointQuery entered = {scene, function, context->instStackSize};
   const QueryScope scope(&entered);
   return query(callUnlessSubstituted);
 }
@@ -59,7 +59,7 @@ using namespace interposer;
 RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context,
   RTCPointQueryFunction queryFunc, void* userPtr)
 {
-  return runQuery(scene, queryFunc,
+  return runQuery(scene, context, queryFunc,
     [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
 }
 
@@ -67,7 +67,7 @@ RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryCo
   RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, \
                                 RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
   { \
-    return runQuery(scene, queryFunc, [&](RTCPointQueryFunction function) { \
+    return runQuery(scene, context, queryFunc, [&](RTCPointQueryFunction function) { \
       return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); \
     }); \
   }

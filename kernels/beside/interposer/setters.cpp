@@ -60,12 +60,12 @@ bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFo
   }
 }
 
-void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
-  size_t stride, size_t count)
+void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer)
 {
+  if (!isActive() || !geometry) return;
+  Objects::get().setArrayBuffer(geometry, type, slot, buffer);
   changeInput(geometry, [&](Input& input) {
-    if (isAccepted(input, type, slot, format, data, stride))
-      input.buffers[{type, slot}] = {format, (const char*)data, stride, count};
+    if (isAccepted(input, type, slot, buffer.format, buffer.data, buffer.stride)) input.buffers[{type, slot}] = buffer;
   });
 }
 
@@ -77,25 +77,45 @@ RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsi
   RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
   REAL(rtcSetGeometryBuffer)(geometry, type, slot, format, buffer, byteOffset, byteStride, itemCount);
-  if (buffer && find(geometry))
-    setBuffer(geometry, type, slot, format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride,
-      itemCount);
+  if (isActive() && geometry && buffer && Objects::get().find(geometry))
+    setBuffer(geometry, type, slot,
+      {format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount});
 }
 
 RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
   const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
   REAL(rtcSetSharedGeometryBuffer)(geometry, type, slot, format, ptr, byteOffset, byteStride, itemCount);
-  setBuffer(geometry, type, slot, format, (const char*)ptr + byteOffset, byteStride, itemCount);
+  setBuffer(geometry, type, slot, {format, (const char*)ptr + byteOffset, byteStride, itemCount});
 }
 
 RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
   size_t byteStride, size_t itemCount)
 {
   void* const data = REAL(rtcSetNewGeometryBuffer)(geometry, type, slot, format, byteStride, itemCount);
-  if (data) setBuffer(geometry, type, slot, format, data, byteStride, itemCount);
+  if (data) setBuffer(geometry, type, slot, {format, (const char*)data, byteStride, itemCount});
   return data;
 }
+
+#if RTC_VERSION >= 40400
+RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
+  RTCFormat format, const void* ptr, const void* dptr, size_t byteOffset, size_t byteStride, size_t itemCount)
+{
+  REAL(rtcSetSharedGeometryBufferHostDevice)(geometry, type, slot, format, ptr, dptr, byteOffset, byteStride,
+    itemCount);
+  setBuffer(geometry, type, slot, {format, (const char*)ptr + byteOffset, byteStride, itemCount});
+}
+
+RTC_API void rtcSetNewGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
+  RTCFormat format, size_t byteStride, size_t itemCount, void** ptr, void** dptr)
+{
+  void* data = nullptr;
+  REAL(rtcSetNewGeometryBufferHostDevice)(geometry, type, slot, format, byteStride, itemCount, &data, dptr);
+  if (!data) return;
+  if (ptr) *ptr = data;
+  setBuffer(geometry, type, slot, {format, (const char*)data, byteStride, itemCount});
+}
+#endif
 
 RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot)
 {
@@ -142,6 +162,8 @@ RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplac
 RTC_API void rtcCommitGeometry(RTCGeometry geometry)
 {
   REAL(rtcCommitGeometry)(geometry);
+  if (!isActive() || !geometry) return;
+  Objects::get().commitArray(geometry);
   if (Substituted* const substituted = find(geometry)) substituted->commit();
 }
 
