@@ -375,7 +375,7 @@ void CbvhSurfaceTy::commitInput()
     const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  /* A commit that reports left out input has stored blocks. It succeeds before throwing. */
+  /* If Embree reports an error although it stored the blocks, the commit succeeds before it throws. */
   const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->embreeGeometry())) {
     if (failure) throw failure;

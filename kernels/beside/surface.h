@@ -27,9 +27,9 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute
-  // pairs of face and number of corners, sorted: the faces of a cage with attributes that do not have 4 corners
+  // of a cage with attributes: pairs of face and number of corners, for faces without 4 corners, sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
-  CbvhProgressFunction progress = nullptr; // not NULL only during a commit
+  CbvhProgressFunction progress = nullptr; // NULL except during a commit
   void* progressPtr = nullptr;
 
   embree::Geometry* embreeGeometry() const { return (embree::Geometry*)geometry; }
@@ -61,15 +61,16 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
   void setLossless(bool lossless);
   void setMask(unsigned int mask);
 
-  /* Sets the committed geometry's mask to the last value of setMask(). */
+  /* Sets the committed geometry's mask to the last value of setMask(). Requires a commit or load() before. */
   void applyMask();
 
-  /* Compresses the pending input. If it throws, the last commit remains current and the input pending, unless the error
-   * is only about input that was left out. */
+  /* Compresses the pending input. Without pending input, does nothing, or throws if the surface is empty or its
+   * accuracy changed. If no blocks are stored, throws; the last commit then remains current, and the input pending.
+   * CbvhGroupTy::commit() reports quads that were left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
 
-  /* Replaces the surface by the geometry of a file. Throws unless the file contains exactly one. */
+  /* Loads the geometry of a file into a new surface. Throws unless the file contains exactly one geometry. */
   void load(const char* path);
 
   /* Input of the last commit. Throws if there is none. The result stays valid even if a callback commits or releases

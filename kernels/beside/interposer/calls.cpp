@@ -64,8 +64,8 @@ bool reportProgress(void* ptr, double done)
   return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, begin + (1 - begin)*done));
 }
 
-/* Builds the scene's compressed geometries that were committed. Attaches their substitutes to Embree's scene, or the
- * originals if they cannot be compressed. Sets isCanceled if the application cancels. */
+/* Builds the scene's compressed geometries that were committed since their last build. Attaches their substitutes to
+ * Embree's scene, or the originals if they cannot be compressed. Sets isCanceled if the application cancels. */
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
@@ -89,8 +89,8 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* Exists while a thread commits a scene. Threads that arrive before any has left join the commit and share its
- * cancellation. */
+/* Exists while a thread commits a scene. A thread joins the commit of the threads before it, and shares their
+ * cancellation, unless one of them has already finished. It then starts a new commit. */
 class Commit
 {
 public:
@@ -98,14 +98,13 @@ public:
   {
     if (!scene) return;
     const std::lock_guard<std::mutex> lock(scene->commitMutex);
-    if (scene->numCommitting++ == 0 || scene->startsNewCommit) scene->isCanceled = scene->hasBuilt = false;
+    if (scene->startsNewCommit) scene->isCanceled = scene->hasBuilt = false;
     scene->startsNewCommit = false;
   }
   ~Commit()
   {
     if (!scene) return;
     const std::lock_guard<std::mutex> lock(scene->commitMutex);
-    scene->numCommitting--;
     scene->startsNewCommit = true;
   }
   Commit(const Commit&) = delete;

@@ -55,9 +55,8 @@ struct Scene
   RTCProgressMonitorFunction progress = nullptr; // the application's
   void* progressPtr = nullptr;
   std::mutex prepareMutex;               // held while a thread builds substitutes
-  std::mutex commitMutex;                // protects the two members below
-  size_t numCommitting = 0;              // threads in rtcCommitScene or rtcJoinCommitScene
-  bool startsNewCommit = true;           // the next thread starts a new commit: a thread has left the current one
+  std::mutex commitMutex;                // protects startsNewCommit
+  bool startsNewCommit = true;           // true if the next thread starts a new commit, see Commit in calls.cpp
   std::atomic<bool> isCanceled{false};   // for all threads that joined the current commit
   std::atomic<bool> hasBuilt{false};     // the current commit has built substitutes
 };

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The callbacks by which Embree traces substitutes, and overrides of Embree's functions that trace rays. The overrides
- * store their arguments for the callbacks: if these contain a function for user geometry, Embree 4 calls it instead of
- * the geometry's own, and does not pass on the arguments' filter. */
+ * store the RTCIntersectArguments or RTCOccludedArguments of the query for the callbacks. If the arguments contain a
+ * function for user geometry, Embree 4 calls it instead of the geometry's own callback. Embree 4 does not pass the
+ * arguments' filter to callbacks. */
 
 #include "substitute_data.h"
 
@@ -18,7 +19,7 @@ namespace {
 template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
 template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
 
-/* Sets the current arguments while it exists. A filter may trace rays. */
+/* Sets the current arguments while it exists. Restores the outer query's, because a filter may trace rays. */
 template<typename Arguments>
 struct QueryScope
 {
@@ -45,7 +46,8 @@ RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit. */
+/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit, which converts a pointer to
+ * query.context to the FilteredContext: `query` must be the first member. */
 struct FilteredContext
 {
   CbvhQueryContext query;
@@ -102,7 +104,8 @@ void occluded(const RTCOccludedFunctionNArguments* args)
   call(cbvhOccludedGeometry, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
-/* Replace the application's functions for user geometry, and call them for all geometries but substitutes. */
+/* Replace the application's functions for user geometry in a query's arguments. They call these functions for all
+ * geometries except substitutes. */
 void intersectAny(const RTCIntersectFunctionNArguments* args)
 {
   if (asSubstituteData(args->geometryUserPtr)) intersect(args);
@@ -179,7 +182,7 @@ PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
 
-/* Only forwarded, for cbvh/embree.h: this library does not link Embree. */
+/* Called by cbvh/embree.h. Defined here because this library does not link Embree. */
 RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
   const RTCFilterFunctionNArguments* filterArgs)
 {

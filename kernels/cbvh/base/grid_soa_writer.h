@@ -29,20 +29,21 @@ namespace embree
             write(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
       }
 
+      /*! Writes one grid. x0, x1, y0, y1: its first and last column and row of vertices in the patch. */
       void write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
       {
         BBox3fa bounds;
         const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0),
-          uncompressedBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1);
-        void* memory = store.memory->allocate(offsetof(GridSOA,data)+bvhBytes+uncompressedBytes+sizeof(BVH4::NodeRef));
+          gridBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1); // x, y, z, and both parameters in 32 bits
+        void* memory = store.memory->allocate(offsetof(GridSOA,data)+bvhBytes+gridBytes+sizeof(BVH4::NodeRef));
         GridSOA* soa = new (memory) GridSOA(&patch,1,x0,x1,y0,y1,patch.grid_u_res,patch.grid_v_res,mesh,bvhBytes,
-                                            uncompressedBytes,&bounds);
+                                            gridBytes,&bounds);
         statistics.sums.uncompressedBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numUncompressedQuads += size_t(x1-x0)*size_t(y1-y0);
         store.addPrimitive(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Bytes of a patch's grids in GRID, with their share of the nodes above. */
+      /*! Bytes of a patch's grids in GRID, with their share of the nodes above. quads: quads per side of the patch. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;
@@ -57,7 +58,8 @@ namespace embree
       }
 
     private:
-      /*! Computes each of the 64 sizes once. Threads may compute the same entry. */
+      /*! Bytes of a grid of x by y quads, from a table of the 64 sizes that is filled on demand. Threads that compute
+       *  an entry at the same time store the same value. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
         static std::atomic<uint32_t> cached[gridQuads+1][gridQuads+1];

@@ -5,9 +5,17 @@
  * Blocks with frames store the number of their kind (framed/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
- * To remove a kind, remove its number, its rows here, its folder, and its rows in code that selects by kind:
- * block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. framed/writer.h stores blocks
- * without a valid frame as cGRID, and patches with holes as cLEAF if their kind does not support holes. */
+ * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and on GPUs cbvh.glsl and
+ * framed_block.glsl. Exceptions for single kinds:
+ *
+ *   cGRID   framed/writer.h: stores blocks without a valid frame as cGRID. framed/block_bounds.h: the bounds of its
+ *           vertices contain its surface. stored/stored_triangles.cpp: its triangles can be read.
+ *   cLEAF   framed/writer.h: stores patches with holes as cLEAF if their kind does not support holes. surface/plan.h:
+ *           has fallback faces. framed/block_geometry.h: has the smallest cells. The format of its leaves
+ *           (framed/leaf/format.h) is included by the headers that decode nodes.
+ *
+ * To remove a kind, remove this code, its folder, its number, its bit in framedKinds and its row of kindDescriptions.
+ * Its row of kindFormats must stay, because the rows are indexed by number. */
 
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
@@ -36,17 +44,17 @@ CVERT_CONSTANT uint32_t maxFramedLevel = 8u;
 
 struct KindFormat
 {
-  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf in large enough blocks
-  uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
-  uint32_t bytesPerGroup; //!< of the leaves below one node of the last level, 2 x 2; 0 if the kind has no groups
+  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks of at least that many quads per side
+  uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of fewer levels, leaves are parts of a quad
+  uint32_t bytesPerGroup; //!< size of a group, the 2 x 2 leaves below a node of the last level; 0 without groups
   uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
-  uint32_t readPadding;   //!< bytes after the last leaf, which decoders may read
+  uint32_t readPadding;   //!< bytes at the end of a block that decoders may read, part of its size
 };
 
 /*! Formats of the kinds with frames, indexed by kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: leaves are 2 x 2 quads, as in GRID; vector loads read 3 floats past the last row */
+  /* cGRID: leaves are 2 x 2 quads, as in GRID; loads of 4 floats read up to 2 floats past the last row */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
@@ -112,8 +120,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind: it then loads
- *  only cVERT blocks, the fallback faces. */
+/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Loading such a
+ *  geometry fails unless all its blocks are cVERT (RTCCompressionArguments::fallbackFaces). */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Four floats or integers in an SSE2 register: the reference for the other variants of lanes.h. */
+/* Four floats or integers in an SSE2 register. The other variants of lanes.h have the same functions with the same
+ * results; this file documents them. */
 
 #include "language.h"
 #include <immintrin.h>

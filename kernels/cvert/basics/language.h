@@ -87,8 +87,8 @@
 
 CVERT_BEGIN
 
-/* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. Compilers may not
- * inline std::fmin and std::fmax. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
+/* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. std::fmin and
+ * std::fmax can be function calls. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
 CVERT_REAL CVERT_FUNCTION Real minimum (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real maximum (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
@@ -120,8 +120,8 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* Hides from the compiler that p is a product, so that it cannot fuse it with a sum. Not -ffp-contract=off, which
- * applies to whole files: cGRID's leaves must fuse products exactly as GRID does. */
+/* Hides from the compiler that p is a product, so that it cannot fuse it with a sum. The option -ffp-contract=off would
+ * apply to the whole file: in files that trace rays, cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {

@@ -20,7 +20,8 @@ namespace cvert { inline namespace CVERT_ISA
     std::vector<uint32_t> numbers; //!< row by row
 
     /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `numbering` contains the
-     * first corners. Otherwise numbers must be less than 2^30. */
+     * first corners. Blocks in which the distance from first to second triangles or the first corners differ have
+     * triangle tables, with 30 bits per number: in such blocks, all numbers must be less than 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> firstCorners; //!< bits 4..7 of numberings
   };
@@ -33,7 +34,8 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
     uint32_t numbering;        //!< for VertHeader::patchQuads
-    VertNumbers pattern;       //!< numbers to store after the header
+    /*! VertNumbers to store after the header. finish() replaces them there by offsets if it appends a section. */
+    VertNumbers pattern;
 
     /*! Chooses the pattern for the block of width x height quads at quad x0, y0 of the patch. */
     void choosePattern (const QuadNumbers& patch, unsigned x0, unsigned y0, unsigned width, unsigned height)
@@ -43,7 +45,7 @@ namespace cvert { inline namespace CVERT_ISA
       lowest = ~0u;
       highest = 0;
       copy(patch.numbers,patch.width,x0,y0,numbers);
-      extend(numbers);
+      extendRange(numbers);
       uint32_t blockNumbering = patch.numbering;
       if (!patch.seconds.empty())
       {
@@ -56,7 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (unsigned i=0; i<width*height; i++)
           isUniform = isUniform && seconds[i]-numbers[i] == distance && firstCorners[i] == firstCorners[0];
         if (!isUniform) {
-          extend(seconds);
+          extendRange(seconds);
           for (unsigned i=0; i<width*height; i++) {
             entries[2*i] = (numbers[i]-lowest) << firstCornerBits | firstCornerOfTriangle(firstCorners[i],false);
             entries[2*i+1] = (seconds[i]-lowest) << firstCornerBits | firstCornerOfTriangle(firstCorners[i],true);
@@ -116,7 +118,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (unsigned y=0; y<height; y++) std::copy_n(values.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);
     }
 
-    void extend (const uint32_t* values)
+    /*! Extends lowest and highest by the values of all quads. */
+    void extendRange (const uint32_t* values)
     {
       lowest = std::min(lowest,*std::min_element(values,values+width*height));
       highest = std::max(highest,*std::max_element(values,values+width*height));
@@ -150,8 +153,8 @@ namespace cvert { inline namespace CVERT_ISA
     {
       numbering = blockNumbering | kind;
       base = lowest;
-      pattern.x = 0; // set by writeTable
-      pattern.y = 0;
+      pattern.x = 0; // writeTable stores the table's offset instead
+      pattern.y = 0; // bits per entry
       const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(numbering));
       while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
     }

@@ -258,23 +258,23 @@ namespace embree
       template<int axis, int line>
       RangeBounds4 deviationRange() const
       {
-        constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
+        constexpr int other = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
         const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step],
           *const c = groups.vertices[v+2*step];
         const Double4 da = deviation[v], db = deviation[v+step], dc = deviation[v+2*step];
         RangeBounds4 range;
 
-        const Mask4 isXBeforeB = isMiddleUpper[along][line];
+        const Mask4 isXBeforeB = isMiddleUpper[other][line];
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(isXBeforeB,a[k],b[k]); to[k] = select(isXBeforeB,b[k],c[k]); }
-        const LineCrossing x(*this,along,from,to);
-        const Double4 dx = deviationAt(x,along,
+        const LineCrossing x(*this,other,from,to);
+        const Double4 dx = deviationAt(x,other,
           line == 0 ? maskFromBits(0) : line == 2 ? maskFromBits(15) : planes[axis][1] <= x.across);
 
-        /* per piece: product of its extents on both axes */
+        /* per piece: product of its extents on both axes, to which the sag is proportional */
         const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
         const Double4 ab = (b[0]-a[0])*(b[1]-a[1]), bc = (c[0]-b[0])*(c[1]-b[1]);
-        const Double4 extents[3] =
+        const Double4 areas[3] =
           { ab*select(isXBeforeB,t2,1.0),select(isXBeforeB,ab*rest2,bc*t2),bc*select(isXBeforeB,1.0,rest2) };
         /* deviations at the ends of the pieces */
         const Double4 ends[4] = { da,select(isXBeforeB,dx,db),select(isXBeforeB,db,dx),dc };
@@ -289,11 +289,11 @@ namespace embree
               : select(isXBeforeB,unitSagOfCell(1,j),unitSagOfCell(0,j));
           };
           if (line != 1) {
-            const Double4 sag = extents[i]*unitSagOfPiece(line/2);
+            const Double4 sag = areas[i]*unitSagOfPiece(line/2);
             for (int bound=0; bound<2; bound++) range.add(low+min(sag,0.0),high+max(sag,0.0),bound);
           }
           else { // the piece may be in cells on both sides of the middle plane of `axis`
-            const Double4 sag = abs(extents[i])*max(abs(unitSagOfPiece(0)),abs(unitSagOfPiece(1)));
+            const Double4 sag = abs(areas[i])*max(abs(unitSagOfPiece(0)),abs(unitSagOfPiece(1)));
             range.add(low,high,0);
             range.add(low-sag,high+sag,1);
             maxSag = max(maxSag,sag);
@@ -305,7 +305,7 @@ namespace embree
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
             const Mask4 crosses = maskFromBits(isMiddleUpper[axis][i].bits() ^ isMiddleUpper[axis][i+1].bits());
-            const Double4 dy = select(crosses,deviationAt(y,axis,planes[along][1] <= y.across),db);
+            const Double4 dy = select(crosses,deviationAt(y,axis,planes[other][1] <= y.across),db);
             range.add(dy,dy,0);
             range.add(dy-maxSag,dy+maxSag,1);
           }
@@ -323,9 +323,9 @@ namespace embree
         }
       }
 
-      /*! Bound on the rounding errors of deviations: 1/8192 of a bin. Outer planes are at least 2 containmentSlack
+      /*! Bound on the rounding errors of deviations: 2^-13 bins. Outer planes are at least 2 containmentSlack, 2^-19,
        *  apart, so a cell is at least 2^-23 wide (minCellWidth), and positions in cells have errors below 2^-25. The
-       *  heights of a cell differ by at most 128 bins. */
+       *  heights of a cell differ by at most 128 bins, so errors of positions change heights by a few 2^-18 bins. */
       Double4 margin() const { return Double4(binSize)*(1.0/8192); }
 
       /*! As raiseToVertices(), for one vertex. */
