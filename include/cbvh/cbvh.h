@@ -406,7 +406,7 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  * path:    of a regular file that contains one surface.
  * surface: written on success.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or a newer version, are
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
  * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
  * visits them for
  * the first time: damaged ones are left out, and the first one is reported to the error function. */
@@ -601,7 +601,7 @@ struct CbvhTriangle
  *               of meshes have the vertex order of the primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
  * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
- * outside of the time range, and on errors: the error function is called if the surface is not committed, or if its file
+ * outside of the time range, and on errors. The error function is called if the surface is not committed or its file
  * has a damaged block. */
 CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
