@@ -486,7 +486,7 @@ struct CbvhStatistics
                                  * attributes of cages */
   size_t numQuads;              /* of the tessellation; two triangles of a mesh count as a quad */
   size_t numMovingQuads;        /* quads with several time steps */
-  size_t numInvalidQuads;       /* quads that were left out because a vertex is not finite or does not exist */
+  size_t numInvalidQuads;       /* quads that were left out, mainly because a vertex is not finite */
   float maxVertexDeviation;     /* world units: largest distance by which a vertex was moved */
 };
 
