@@ -557,7 +557,7 @@ struct CbvhQuery
  * cbvhIntersect1 returns 1 if the ray hits, otherwise 0. The packet functions return one bit per ray, bit 0 for the
  * first one.
  *
- * group: committed. The functions do not check this.
+ * group: committed. If it never was, functions that trace rays call the error function and return 0.
  * ray:   read and written, aligned to 16 bytes.
  * valid: one entry per ray: -1 for rays that are traced, otherwise 0, with the alignment of the rays. NULL traces all
  *        rays.
