@@ -23,8 +23,13 @@
  * quad. Irregular triangles mostly need 7 to 8 bytes each.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
- * failure. cbvhGetErrorText returns the message of the last error. For an object that is NULL, functions return
- * CBVH_ERROR_INVALID_ARGUMENT, 0 or NULL.
+ * failure. cbvhGetErrorText returns the message of the last error. The comment of a function names its error codes,
+ * except three that many functions share:
+ *
+ * - CBVH_ERROR_INVALID_ARGUMENT for an argument that is NULL, unless the comment allows NULL, and for a wrong
+ *   structSize. Functions that return a value return 0 or NULL.
+ * - CBVH_ERROR_OUT_OF_MEMORY.
+ * - CBVH_ERROR_UNKNOWN for failures that have no code, such as a C++ exception of a displacement function.
  *
  * Ownership: new objects have a reference count of 1. The retain functions add a reference, the release functions
  * remove one, and the last one frees the object; both ignore NULL. A surface retains its context, a group its context
@@ -32,8 +37,10 @@
  * comment of the function states otherwise.
  *
  * Thread safety: any thread may call any function, with one restriction: while a thread changes an object, no other
- * thread may change or trace the same object. The functions cbvhSet..., cbvhDiceSurface, cbvhCommitSurface and
- * cbvhCommitGroup change their object. cbvhCommitGroup also changes surfaces whose mask was set.
+ * thread may use the same object. The functions cbvhSet..., cbvhDiceSurface, cbvhCommitSurface and cbvhCommitGroup
+ * change their object. cbvhCommitGroup also reads its surfaces, and changes surfaces whose mask was set. Rays read only
+ * the group: it may be traced while its surfaces are set, diced or committed. A function that changes a surface while
+ * another change of the surface is in progress, for example from a callback, returns CBVH_ERROR_INVALID_OPERATION.
  *
  * The manual page of a function names the version since which the function is available.
  *
@@ -49,7 +56,7 @@
  *   error: CBVH_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
- * hits and CbvhTriangle. Those that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
+ * hits and CbvhTriangle. Structs that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
  * CbvhFilterArguments, CbvhPart and CbvhCluster. Do not store arrays of them. */
 
 #include <stddef.h>
@@ -72,12 +79,12 @@ extern "C" {
 enum CbvhError
 {
   CBVH_OK = 0,
-  CBVH_ERROR_UNKNOWN = 1,
-  CBVH_ERROR_INVALID_ARGUMENT = 2,
-  CBVH_ERROR_INVALID_OPERATION = 3,
+  CBVH_ERROR_UNKNOWN = 1,           /* a failure that has no code of its own */
+  CBVH_ERROR_INVALID_ARGUMENT = 2,  /* an argument, a member of a struct or a file is invalid */
+  CBVH_ERROR_INVALID_OPERATION = 3, /* the state of the object does not allow the call, or writing a file failed */
   CBVH_ERROR_OUT_OF_MEMORY = 4,
-  CBVH_ERROR_UNSUPPORTED_CPU = 5,
-  CBVH_ERROR_CANCELLED = 6
+  CBVH_ERROR_UNSUPPORTED_CPU = 5,   /* returned by cbvhNewContext only */
+  CBVH_ERROR_CANCELLED = 6          /* returned by cbvhCommitSurface only */
 };
 
 /* Returns the message of the last error on the calling thread, or an empty text if there was none. Valid until the next
@@ -91,8 +98,9 @@ CBVH_API unsigned int cbvhGetVersion(void);
 
 typedef struct CbvhContextTy* CbvhContext;
 
-/* Called for every error of a context, on the thread that caused it, before the failing function returns. It is not
- * called if a function fails because its object is NULL. text is valid during the call. */
+/* Called for every error of a context, on the thread that caused it, before the failing function returns. Several
+ * threads may call it at the same time. text is valid during the call. If a function fails because an argument is NULL,
+ * or because an index of cbvhGetGroupFirstPrimitive is out of range, the error function may not be called. */
 typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
 
 /* Creates a context with a reference count of 1.
@@ -103,7 +111,10 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  * userPtr:  passed to the function.
  * context:  written on success.
  *
- * cbvhRetainContext and cbvhReleaseContext add and remove a reference. */
+ * cbvhRetainContext and cbvhReleaseContext add and remove a reference.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for invalid settings, and CBVH_ERROR_UNSUPPORTED_CPU if the CPU lacks the
+ * instruction set that the library requires or that the settings select. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr,
     CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
@@ -114,22 +125,22 @@ CBVH_API void cbvhReleaseContext(CbvhContext context);
 typedef struct CbvhSurfaceTy* CbvhSurface;
 
 /* Positions of vertices at each time step, three floats each. cbvhSetCage copies them. For grids and meshes the library
- * reads the caller's arrays until the surface is committed. As in Embree, 4 bytes after the last vertex must be
- * readable. */
+ * reads the caller's arrays until the surface is committed; as in Embree, the 4 bytes after the last vertex of each
+ * time step must then be readable. */
 struct CbvhVertices
 {
   size_t count;
   size_t stride;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
   const float* const* steps;  /* one pointer per time step */
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
-  float begin, end;           /* times of the first and the last step, begin < end. Vertices are interpolated linearly
-                               * between steps. Outside of the time range there is no surface. Ignored if numSteps is
-                               * 1 */
+  float begin, end;           /* times of the first and the last step, finite, begin < end. Steps are evenly spaced.
+                               * Vertices are interpolated linearly between steps. Outside of the time range there is
+                               * no surface. Ignored if numSteps is 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
- * points, read and written. Ng: their normals, of length 1. u, v: parameters on the face. Each coordinate has an
- * array of its own. Several threads call the function at the same time. */
+ * points, read and written. Ng: their normals, of length 1. u, v: parameters on the face, as for cbvhInterpolate. Each
+ * coordinate has an array of its own. Several threads call the function at the same time. */
 struct CbvhDisplacementArguments
 {
   void* userPtr;
@@ -178,12 +189,12 @@ struct CbvhCage
 
   size_t numCreases;
   const unsigned int* creases;       /* two vertices each */
-  const float* creaseSharpness;      /* infinity is a sharp edge */
+  const float* creaseSharpness;      /* one entry per crease. Infinity is a sharp edge */
   size_t numCorners;
   const unsigned int* corners;       /* vertices */
-  const float* cornerSharpness;
+  const float* cornerSharpness;      /* one entry per corner */
   size_t numHoles;
-  const unsigned int* holes;         /* faces that are left out */
+  const unsigned int* holes;         /* numHoles faces that are left out */
 
   CbvhDisplacementFunction displacement; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
   void* displacementPtr;             /* passed to the displacement function. Must be valid until the commit */
@@ -210,7 +221,8 @@ struct CbvhGrids
 
 /* Quads or triangles, in any order. The library stores the parts of a mesh in which quads form grids as grids, and the
  * remaining triangles in mesh blocks. Two triangles that share an edge can form a quad. Vertices with equal positions
- * count as one. */
+ * count as one. A mesh needs at least 256 quads or triangles. Quads and triangles with an index past the vertices are
+ * left out. */
 struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
@@ -230,12 +242,14 @@ struct CbvhDicing
   float direction[3];               /* towards the center of the picture, of any length */
   float up[3];                      /* up direction of the picture, of any length, not parallel to direction */
   int orthographic;                 /* 0: a perspective camera */
-  float pixelSize;                  /* width of a pixel at distance 1; for an orthographic camera at any distance */
+  float pixelSize;                  /* width of a pixel at distance 1; for an orthographic camera at any distance.
+                                     * Positive */
   float width, height;              /* of the picture in pixels. 0: direction and up are ignored */
   const float* transform;           /* from the surface's space to world space: 12 floats, column by column. NULL: the
                                      * identity */
   float quadSize;                   /* target length of the edges of quads in pixels. 0: 1 */
-  float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera. 0: 8 */
+  float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera, at least 1.
+                                     * 0: 8 */
   float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
   const float* maxRates;            /* the same for each edge, for example the number of texels along it: one entry per
                                      * index. An edge of two faces gets the higher of their rates. NULL: maxRate
@@ -249,8 +263,9 @@ struct CbvhAccuracy
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
   float maxError;                   /* world units: largest spacing of the lattice. 0: no bound. A vertex moves by at
                                      * most half a spacing on each axis, which is 0.866 spacings in space */
-  float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound */
-  float cameraPosition[3];
+  float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
+                                     * smaller one holds */
+  float cameraPosition[3];          /* world units */
   float pixelSize;                  /* width of a pixel at distance 1 */
 };
 
@@ -259,7 +274,9 @@ struct CbvhAccuracy
  * context: retained by the surface.
  * surface: written on success.
  *
- * cbvhRetainSurface and cbvhReleaseSurface add and remove a reference. */
+ * cbvhRetainSurface and cbvhReleaseSurface add and remove a reference.
+ *
+ * Returns CBVH_OK, or an error that all functions share. */
 CBVH_API enum CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface);
 CBVH_API void cbvhRetainSurface(CbvhSurface surface);
 CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
@@ -271,8 +288,9 @@ CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
  *
  * cage, grids, mesh: structSize is read.
  *
- * Return CBVH_ERROR_INVALID_ARGUMENT, and keep the earlier input, if a member is invalid; the message states which.
- * Vertices that are not finite are no error. */
+ * Return CBVH_ERROR_INVALID_ARGUMENT if a member is invalid; the message states which. After an error, the earlier
+ * input is kept. Vertices that are not finite are no error. The functions do not check the vertices that grids and
+ * meshes refer to: see cbvhCommitGroup and CbvhMesh. */
 CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
@@ -283,14 +301,14 @@ CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* 
  * about 1/16 as many points as there will be quads.
  *
  * dicing: structSize is read.
- * rates:  written, one entry per index of the cage, or NULL.
+ * rates:  written on success, one entry per index of the cage, or NULL.
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if no cage was set since the last commit, and CBVH_ERROR_INVALID_ARGUMENT for
- * an invalid member, which the message names. */
+ * an invalid member, which the message names. After an error, the cage keeps its rates. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
-/* Sets the accuracy of the next commit. A commit without new input fails if the accuracy changed, because the earlier
- * commit released the input.
+/* Sets the accuracy of all later commits. A commit without new input fails if the accuracy changed, because
+ * the earlier commit released the input.
  *
  * accuracy: structSize is read. NULL selects the defaults.
  *
@@ -298,40 +316,51 @@ CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDi
  * is not finite or pixelSize is not positive. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
-/* Sets whether the next commit is lossless: it stores the exact vertices of grids and meshes, and of cages the vertices
- * that Embree evaluates. It then ignores cbvhSetAccuracy. lossless: 1 or 0, the default is 0. */
+/* Sets whether later commits are lossless. A lossless commit stores the exact vertices of grids and meshes, and of
+ * cages the vertices that Embree evaluates, and ignores cbvhSetAccuracy. A commit without new input fails if the
+ * setting changed.
+ *
+ * lossless: 1 or 0, the default is 0.
+ *
+ * Returns CBVH_OK, or an error that all functions share. */
 CBVH_API enum CbvhError cbvhSetLossless(CbvhSurface surface, int lossless);
 
 /* Sets the mask of a surface. A ray can hit the surface if its mask and the surface's mask have a common bit. By
  * default all bits are set. The mask takes effect with the next cbvhCommitGroup of a group that contains the
- * surface, and then in all of its groups. */
+ * surface, and then in all groups that contain it.
+ *
+ * Returns CBVH_OK, or an error that all functions share. */
 CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask);
 
-/* Called with the completed fraction of a commit, 0 to 1, on any thread. Returning 0 cancels the commit. Like a
- * displacement function, it must not change its surface: functions that do so return CBVH_ERROR_INVALID_OPERATION. */
+/* Called with the completed fraction of a commit, 0 to 1, on any thread, and by several threads at the same time.
+ * Returning 0 cancels the commit. Like a displacement function, it must not change its surface: functions that do so
+ * return CBVH_ERROR_INVALID_OPERATION. */
 typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
- * input was set since the last commit. Rays of a group hit the new surface after the next cbvhCommitGroup. Quads with
- * vertices that are not finite are left out, and cbvhCommitGroup reports them.
+ * input was set since the last commit and the accuracy is unchanged. Rays of a group hit the new surface after the next
+ * cbvhCommitGroup. Quads with vertices that are not finite are left out; CbvhStatistics counts them.
  *
  * progress: may be NULL.
  * userPtr:  passed to the progress function.
  *
  * Returns CBVH_ERROR_CANCELLED if the progress function cancels. Returns CBVH_ERROR_INVALID_OPERATION if the surface
- * has no input, if its accuracy changed but not its input, or if a mesh cannot be stored; the message states the
- * reason. In these cases the surface is unchanged and keeps its input. */
+ * has no input, if cbvhSetAccuracy or cbvhSetLossless changed it but no input was set again, or if a mesh cannot be
+ * stored, for example because it has fewer than 256 quads or triangles. Returns CBVH_ERROR_INVALID_ARGUMENT if a grid
+ * of over 2^24 vertices has a stride of 0. The message states the reason. After an error the surface is unchanged and
+ * keeps its input. */
 CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
 
 /* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
 CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 
-/* Evaluates an attribute of a cage at a hit. Loaded surfaces have no attributes.
+/* Evaluates an attribute of a cage at a hit. Grids, meshes and loaded surfaces have no attributes.
  *
  * attribute:     index in CbvhCage::attributes.
- * primID, u, v:  face and parameters. u and v must be valid: 0 to 1 on a face with four corners, otherwise on one of
- *                its sub-patches, as in hits.
- * P, dPdu, dPdv: the value and its derivatives. Each has as many floats as the attribute is wide, or is NULL.
+ * primID, u, v:  face and parameters, as in hits. On a face with four corners, u and v are 0 to 1. Another face has a
+ *                sub-patch for each corner: in sub-patch i + 4 j, with i from 0 to 3, u is 2 i + 0.5 to 2 i + 1.5, and
+ *                v is 2 j + 0.5 to 2 j + 1.5.
+ * P, dPdu, dPdv: the value and its derivatives, written. Each has as many floats as the attribute is wide, or is NULL.
  *
  * A displacement function may call it for its own surface during cbvhCommitSurface and cbvhDiceSurface. It then uses
  * the attributes of the cage that is displaced.
@@ -348,7 +377,7 @@ struct CbvhInterpolation
   unsigned int primID, attribute;
   size_t count;
   const float *u, *v;             /* parameters of the points, as for a displacement function */
-  float *P, *dPdu, *dPdv;         /* written, one value after the other, each of the attribute's width; may be NULL */
+  float *P, *dPdu, *dPdv;         /* written: count values of the attribute's width, without gaps. Each may be NULL */
 };
 
 /* Evaluates an attribute of a cage at many points of a face. Displacement functions use it to look up height maps,
@@ -356,28 +385,31 @@ struct CbvhInterpolation
  *
  * points: structSize is read, and the arrays P, dPdu and dPdv are written.
  *
- * Returns errors as cbvhInterpolate. The message names the first point with invalid parameters. */
+ * Returns errors as cbvhInterpolate. The message names the first point with invalid parameters; nothing is written
+ * then. */
 CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
 
 /* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
  * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
- * disk leaves it unchanged.
+ * disk leaves it unchanged. Reads and writes all blocks. Rays may be traced during the call.
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for a path that cannot be written. Returns CBVH_ERROR_INVALID_OPERATION if the
- * surface is not committed, or if writing fails. Rays may be traced during the call. */
+ * surface is not committed, if writing fails, or if the surface was loaded from a file with a damaged block. */
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
 
 /* Loads a surface from a file. The surface is committed and has no input. The file is mapped: rays can be traced at
- * once, blocks that no ray visits stay on disk, and processes share the memory. Hits are equal to the bit. The file may
- * be replaced or removed while the surface exists, but must not be written to.
+ * once, blocks that no ray visits stay on disk, and processes share the memory. Hits are equal to the bit to hits of
+ * the saved surface. The file may be replaced or removed while the surface exists, but must not be written to or
+ * truncated.
  *
  * context: retained by the surface.
  * path:    of a regular file that contains one surface.
  * surface: written on success.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or a newer version, or are
- * truncated or altered; the message states the reason. Damaged blocks are left out when a ray visits them, and reported
- * once to the error function. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
+ * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
+ * visits them for
+ * the first time: damaged ones are left out, and the first one is reported to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */
@@ -390,7 +422,10 @@ typedef struct CbvhGroupTy* CbvhGroup;
  * surfaces: array of `count` surfaces, at least 1. The index of a surface in the array is the geomID of its hits.
  * group:    written on success.
  *
- * cbvhRetainGroup and cbvhReleaseGroup add and remove a reference. */
+ * cbvhRetainGroup and cbvhReleaseGroup add and remove a reference.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if there are no surfaces, or if a surface is NULL or belongs to another
+ * context. */
 CBVH_API enum CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group);
 CBVH_API void cbvhRetainGroup(CbvhGroup group);
 CBVH_API void cbvhReleaseGroup(CbvhGroup group);
@@ -400,10 +435,11 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if a surface was never committed. The group is then unchanged.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT, once, in three cases: a displacement function returned numbers that are not
- * finite; a grid has vertices outside of its buffer; faces were left out because they have more than 16 corners, or
- * a vertex has more than 64 faces. The message names the surface ("geometry" and its index) and the first face or
- * grid, or the number of faces. The rest of the group is committed. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT, once per commit of a surface, in three cases: a displacement function returned
+ * numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or faces at
+ * their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces. The message names
+ * the surface ("geometry" and its index) and the first face or grid, or the number of faces. The rest of the group is
+ * committed and can be traced. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not
@@ -411,17 +447,20 @@ CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
 CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 
-/* Set and return a pointer that the application stores with a group. It is NULL at first. */
+/* Set and return a pointer that the application stores with a group. It is NULL at first. The library does not use
+ * it. */
 CBVH_API void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr);
 CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 
 /* Number the primitives of all surfaces of a committed group consecutively.
  *
  * cbvhGetGroupFirstPrimitive returns the number of the first primitive of a surface. For the index cbvhGetGroupSize it
- * returns the number of all primitives, and 0 for larger indices. It returns at most 4294967295.
+ * returns the count of all primitives, and 0 for larger indices. It returns at most 4294967295.
  *
  * cbvhFindGroupPrimitive writes the index of the surface and the primitive of a number and returns 1, or returns 0
- * if no primitive has this number. It searches in the surfaces by bisection. */
+ * if no primitive has this number. It searches in the surfaces by bisection.
+ *
+ * In a group that is not committed, both functions return 0. */
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 
@@ -433,7 +472,9 @@ CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t
  * Returns CBVH_ERROR_INVALID_ARGUMENT if other bits are set; the message names them. */
 CBVH_API enum CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known);
 
-/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty or not committed.
+/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty, not committed or
+ * NULL.
+ *
  * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
 
@@ -441,10 +482,11 @@ CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]
 struct CbvhStatistics
 {
   size_t structSize CBVH_SIZE_OF(CbvhStatistics);
-  size_t bytes;                 /* total memory of the group, including memory that it shares with other groups */
-  size_t numQuads;              /* of the tessellation */
+  size_t bytes;                 /* memory of the tree and all blocks, including blocks that groups share, without the
+                                 * attributes of cages */
+  size_t numQuads;              /* of the tessellation; two triangles of a mesh count as a quad */
   size_t numMovingQuads;        /* quads with several time steps */
-  size_t numInvalidQuads;       /* quads that were left out */
+  size_t numInvalidQuads;       /* quads that were left out, mainly because a vertex is not finite */
   float maxVertexDeviation;     /* world units: largest distance by which a vertex was moved */
 };
 
@@ -463,7 +505,8 @@ struct CBVH_ALIGNED CbvhRay
 {
   float org_x, org_y, org_z, tnear; /* tnear: smallest distance of hits, not negative */
   float dir_x, dir_y, dir_z, time;  /* time: for surfaces that move, otherwise ignored */
-  float tfar;                       /* largest distance of hits. A ray with a negative tfar is not traced */
+  float tfar;                       /* largest distance of hits, may be infinite. A ray with a negative tfar is not
+                                     * traced */
   unsigned int mask;                /* see cbvhSetSurfaceMask */
   unsigned int id, flags;           /* not read. Filter functions receive them */
 };
@@ -482,7 +525,9 @@ struct CBVH_ALIGNED CbvhRayHit
 };
 
 /* Arguments of a filter function, which accepts or rejects hits. rays, hits: in the layout of RTCRayN and RTCHitN for
- * `count` rays. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject the hit. */
+ * `count` rays: word i + count*m is member m of ray i, with all members of CbvhRay and CbvhHit in order, 4 bytes each.
+ * tfar of a ray is the distance of its hit. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject
+ * the hit. The function may trace rays. */
 struct CbvhFilterArguments
 {
   int* valid;
@@ -512,13 +557,15 @@ struct CbvhQuery
  * cbvhIntersect1 returns 1 if the ray hits, otherwise 0. The packet functions return one bit per ray, bit 0 for the
  * first one.
  *
- * group: committed. The functions do not check this.
- * valid: -1 for rays that are traced, otherwise 0, with the alignment of the rays. NULL traces all rays.
+ * group: committed. If it never was, functions that trace rays call the error function and return 0.
+ * ray:   read and written, aligned to 16 bytes.
+ * valid: one entry per ray: -1 for rays that are traced, otherwise 0, with the alignment of the rays. NULL traces all
+ *        rays.
  * rays:  a packet in the layout of Embree's RTCRayHit4, 8 or 16, aligned to 16, 32 or 64 bytes.
  * query: NULL selects the defaults.
  *
  * If structSize of the query is wrong, functions that trace rays call the error function, trace nothing and return
- * 0. */
+ * 0. If the group or the rays are NULL, they return 0. */
 CBVH_API int cbvhIntersect1(CbvhGroup group, struct CbvhRayHit* ray, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
@@ -550,10 +597,12 @@ struct CbvhTriangle
  * primID, u, v: of the hit.
  * Ng:           of the hit, 3 floats. It selects between triangles if (u,v) lies on their common edge. NULL selects
  *               any.
- * triangle:     written if a triangle is found.
+ * triangle:     written if a triangle is found. The quads of cages and grids have the triangles of CbvhPart. Triangles
+ *               of meshes have the vertex order of the primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
  * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
- * outside of the time range, and on errors. */
+ * outside of the time range, and on errors. The error function is called if the surface is not committed or its file
+ * has a damaged block. */
 CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
 
@@ -580,7 +629,10 @@ typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
  * surface:  committed.
  * time:     of rays. Ignored for a surface that does not move. Outside of the time range there are no parts.
  * function: not NULL.
- * userPtr:  passed to the function. */
+ * userPtr:  passed to the function.
+ *
+ * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_OPERATION if the surface is not
+ * committed, or if its file has a damaged block. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
 /* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
@@ -597,11 +649,12 @@ enum CbvhClusterFormat
 enum CbvhClusterReason
 {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  CBVH_CLUSTER_REASON_RAW = 1,         /* the block stores these vertices as floats */
+  CBVH_CLUSTER_REASON_RAW = 1,         /* the block stores these vertices with the precision of floats, which no lattice
+                                        * of the format represents */
   CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                         * belong to a moving mesh block */
-  CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
-                                        * 2^-126 */
+  CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
+                                        * spacings wide, or the spacing is below 2^-126 or above 2^105 */
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. */
@@ -650,10 +703,12 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  * format:   of the clusters.
  * function: NULL if only the report is needed.
  * userPtr:  passed to the function.
- * report:   totals, written also if the function fails, or NULL; structSize is read.
+ * report:   totals over the clusters that were passed, or NULL; structSize is read. Written on success, and if an error
+ *           ends the enumeration.
  *
- * Returns CBVH_ERROR_INVALID_OPERATION if the surface has more triangles than the 29-bit primitive indices of DGF
- * can count. */
+ * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_ARGUMENT for an unknown format.
+ * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block, or if it has
+ * more triangles than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
     CbvhClusterFunction function, void* userPtr, struct CbvhClusterReport* report);
 

@@ -14,8 +14,8 @@
  *   rtcAttachGeometry(scene, geometry);
  *
  * The geometry has the type RTC_GEOMETRY_TYPE_USER and one primitive. The group must be committed before, and must
- * exist as long as the geometry. After another commit of the group, call rtcCommitGeometry and rtcCommitScene to update
- * the bounds.
+ * exist as long as the geometry. No thread may trace the scene while the group is committed again. Afterwards, call
+ * rtcCommitGeometry and rtcCommitScene to update the bounds.
  *
  * The primIDs of hits number the primitives of all surfaces of the group consecutively. cbvhFindGroupPrimitive
  * returns the surface and the primitive of such a number.
@@ -36,7 +36,8 @@ extern "C" {
 /* Flags of cbvhNewGeometry. Without flags, rays are fastest, and no filter functions are called. */
 enum CbvhGeometryFlags
 {
-  /* Calls the filter functions of the geometry, with Embree 3 also those of contexts. */
+  /* Calls the filter functions of the geometry, with Embree 3 also the filter functions of contexts. Each call has one
+   * hit. */
   CBVH_GEOMETRY_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
   /* Calls the filter of a CbvhQueryContext, which must be the context of each query that may hit the geometry: Embree 4
@@ -46,11 +47,11 @@ enum CbvhGeometryFlags
 };
 
 #if RTC_VERSION_MAJOR >= 4
-/* Query context with a filter function, see CBVH_GEOMETRY_CONTEXT_FILTERS. */
+/* Query context with a filter function, see CBVH_GEOMETRY_CONTEXT_FILTERS. Pass the address of `context` to Embree. */
 struct CbvhQueryContext
 {
-  struct RTCRayQueryContext context;
-  RTCFilterFunctionN filter;   /* may be NULL */
+  struct RTCRayQueryContext context; /* call rtcInitRayQueryContext first */
+  RTCFilterFunctionN filter;         /* called with one hit at a time. NULL: every hit counts */
 };
 typedef struct RTCRayQueryContext CbvhRTCContext;
 #else
@@ -305,14 +306,18 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
  * then the group, which the geometry does not retain. rtcSetGeometryUserData must not be called for it.
  *
  * device: of the application's Embree.
- * group:  committed. It becomes the user data of the geometry: use cbvhSetGroupUserPtr for a pointer of the
- *         application.
+ * group:  committed; the function does not check this. It becomes the user data of the geometry: use
+ *         cbvhSetGroupUserPtr for a pointer of the application.
  * flags:  bits of CbvhGeometryFlags.
  *
- * Returns NULL if Embree cannot create the geometry; its device then has an error. Also returns NULL if the group
- * has 2^32 - 1 primitives or more, which the primID of a hit cannot count. Also returns NULL for a group that is NULL
- * and for unknown flags, with CBVH_ERROR_INVALID_ARGUMENT: cbvhGetErrorText returns a message that names the flags, and
- * the error function of the context is called. Thread safety: as rtcNewGeometry. */
+ * Returns NULL in three cases:
+ *
+ * - Embree cannot create the geometry. The device then has an error.
+ * - The group is NULL, or flags has unknown bits. cbvhGetErrorText returns the reason. For unknown bits, the error
+ *   function of the context is called with CBVH_ERROR_INVALID_ARGUMENT.
+ * - The group has 2^32 - 1 primitives or more, which the primID of a hit cannot count. No error is reported.
+ *
+ * Thread safety: as rtcNewGeometry. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
   RTCGeometry geometry;

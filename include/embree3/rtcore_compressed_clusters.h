@@ -23,12 +23,12 @@ enum RTCClusterFormat
 enum RTCClusterReason
 {
   RTC_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  RTC_CLUSTER_REASON_RAW = 1,         /* the geometry stores these vertices with the precision of floats: cGRID, and raw
-                                       * blocks of cVERT */
+  RTC_CLUSTER_REASON_RAW = 1,         /* the geometry stores these vertices with the precision of floats, which no
+                                       * lattice of the format represents: cGRID, and raw or lossless cVERT */
   RTC_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                        * belong to a moving mesh block */
-  RTC_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
-                                       * 2^-126 */
+  RTC_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
+                                       * spacings wide, or the spacing is below 2^-126 or above 2^105 */
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. Later versions may append
@@ -78,7 +78,8 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * format:   of the clusters.
  * function: NULL if only the report is needed.
  * userPtr:  passed to the function.
- * report:   totals, written before the function returns, or NULL. structSize is read.
+ * report:   totals over the clusters that were passed, or NULL. structSize is read. Written unless the geometry is NULL
+ *           or structSize is wrong.
  *
  * Errors: as rtcForEachCompressedPart. RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize.
  * RTC_ERROR_INVALID_OPERATION if the surface has more triangles than the 29-bit primitive indices of DGF can count.

@@ -30,9 +30,10 @@ typedef struct RTCCompressedFileTy* RTCCompressedFile;
  * Returns true if the geometry was saved.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or that names a device or a pipe.
- * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed or only in part, because GRID stores faces with
- * some edge rates, and if writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not
- * reach the application. Thread safety: several threads may save different geometries, also while rays are traced. No
+ * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed or changed since its commit, for a geometry that is
+ * compressed only in part, because GRID stores faces with some edge rates, for a geometry from a file with a damaged
+ * block, and if writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not reach the
+ * application. Thread safety: several threads may save different geometries, also while rays are traced. No
  * thread may commit a geometry while it is saved. */
 RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
 
@@ -49,10 +50,10 @@ RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
  *
  * The function reads and checks the header, the directory and the tree, and for geometry with motion blur also the
  * blocks. All other blocks are checked when a ray visits them for the first time. A damaged block is left out, and
- * reported once as an error of the device. rtcVerifyCompressedFile checks everything.
+ * reported as an error of the device if it is the first one of its geometry. rtcVerifyCompressedFile checks everything.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a file that does not exist, has another format or a newer
- * version, or is truncated or altered; the message states the reason. RTC_ERROR_OUT_OF_MEMORY. Thread safety: as
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a file that does not exist, has another format or
+ * version, is truncated or altered, or contains several geometries; the message states the reason. Thread safety: as
  * rtcNewGeometry. */
 RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path);
 
@@ -86,7 +87,8 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, 
 
 /* Returns the number of geometries in a writer, including those that a resumed writer continues after.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; the result is 0. Thread safety: as rtcNewCompressedFileWriter. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; the result is 0. Thread safety: only one thread may use a writer at a
+ * time. */
 RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount(RTCCompressedFileWriter writer);
 
 /* Appends a geometry to a file. The index of the geometry in the file is the number of geometries before it. The
@@ -98,7 +100,9 @@ RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount(RTCCompressedFileWr
  * Returns true if the geometry was appended. After a geometry that cannot be saved, others can be appended. After a
  * failed write nothing can be appended.
  *
- * Errors and thread safety: as rtcSaveCompressedGeometry. */
+ * Errors: as rtcSaveCompressedGeometry; also RTC_ERROR_INVALID_OPERATION for a writer that is committed, or whose
+ * earlier write failed. Thread safety: only one thread may use a writer at a time. No thread may commit the geometry
+ * meanwhile. */
 RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeometry geometry);
 
 /* Completes a file: writes everything to disk and renames it to its path.
@@ -107,7 +111,9 @@ RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeom
  *
  * Returns true if the file is complete. Otherwise an existing file at its path is unchanged.
  *
- * Errors and thread safety: as rtcSaveCompressedGeometry. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION for a writer without geometries, for a
+ * writer that is committed or whose earlier write failed, and if writing fails. Thread safety: only one thread may use
+ * a writer at a time. */
 RTC_API bool rtcCommitCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Releases a writer. Geometries that were not committed are removed, or kept by a writer of
@@ -117,14 +123,15 @@ RTC_API bool rtcCommitCompressedFileWriter(RTCCompressedFileWriter writer);
 RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Opens a file with any number of geometries. The function maps the file, and reads and checks its header and
- * directory. Any number of threads may use an open file at the same time.
+ * directory. Any number of threads may use an open file at the same time, but only one may release it.
  *
  * device: of geometries that are created from the file; receives the errors.
  * path:   as for rtcLoadCompressedGeometry.
  *
  * Returns the file, to be released by rtcReleaseCompressedFile, or NULL.
  *
- * Errors and thread safety: as rtcLoadCompressedGeometry. */
+ * Errors: as rtcLoadCompressedGeometry, but several geometries are no error. Thread safety: as
+ * rtcLoadCompressedGeometry. */
 RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice device, const char* path);
 
 /* Returns the number of geometries in a file.
@@ -141,7 +148,7 @@ struct RTCCompressedFileGeometryInfo
   unsigned int primitiveCount, timeStepCount;
   float begin, end;                           /* times of the first and the last time step */
   float lower[3], upper[3];                   /* bounds at all times; lower is above upper if they are empty */
-  size_t bytes;                               /* in the file */
+  size_t bytes;                               /* of its tree and blocks in the file */
 };
 
 /* Returns the description of a geometry in a file, without loading the geometry.
@@ -176,7 +183,10 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
  * file:  open.
  * index: below rtcGetCompressedFileGeometryCount.
  *
- * Returns the geometry, or NULL. Errors and thread safety: as rtcLoadCompressedGeometry. */
+ * Returns the geometry, or NULL.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a damaged geometry. Thread safety: as
+ * rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
 /* Reads a whole file, checks all blocks and compares the checksums. The time is that of reading the file from disk.

@@ -22,7 +22,8 @@ struct RTCCompressedTriangle
  * geometry: stored as cVERT or cGRID. It was committed with its scene, or with RTC_COMPRESSION_FLAG_RELEASE_INPUT by
  *           its own commit.
  * primID, u, v: of the hit.
- * Ng:       of the hit, 3 floats. It selects between triangles if (u,v) lies on their common edge. NULL selects any.
+ * Ng:       of the hit, 3 floats, in the geometry's space. It selects between triangles if (u,v) lies on their common
+ *           edge. NULL selects any.
  * triangle: written if a triangle is found, not NULL. Quad (x,y) of a subdivision surface or grid has the triangles
  *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Triangles of meshes have the vertex order of the
  *           primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
@@ -31,8 +32,9 @@ struct RTCCompressedTriangle
  * were left out. The first call after a commit builds an index with 16 bytes per block; for quad and triangle meshes it
  * has 4 more bytes per primitive.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the geometry is not compressed, or if any
- * part of it is stored as cLEAF or cVOXEL, which have no triangles. Thread safety: as rtcInterpolate. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the geometry is not compressed, if any
+ * part of it is stored as cLEAF or cVOXEL, which have no triangles, or is left to GRID, and if the file that it was
+ * loaded from has a damaged block. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
     struct RTCCompressedTriangle* triangle);
 
@@ -86,7 +88,9 @@ RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFun
  *
  * time: of rays. Ignored for geometry that does not move.
  *
- * The other arguments, errors and thread safety: as rtcForEachCompressedPart. */
+ * The other arguments are those of rtcForEachCompressedPart.
+ *
+ * Errors and thread safety: as rtcForEachCompressedPart. */
 RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
     void* userPtr);
 

@@ -17,7 +17,8 @@
  *   completely in mesh blocks.
  *
  * Grids and meshes are always stored as cVERT. Geometry that compression would not make smaller is left to Embree's own
- * kernels. The representation of a geometry is the first of these that is set:
+ * kernels, and so are meshes with fewer than 256 primitives or with RTC_BUILD_QUALITY_REFIT. The representation of a
+ * geometry is the first of these that is set:
  *
  * 1. the arguments of rtcSetGeometryCompression,
  * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",
@@ -51,8 +52,10 @@
  * store arrays of them.
  *
  * As in Embree, rtcGetDeviceError returns the error code of a function that fails, and the function that
- * rtcSetDeviceErrorFunction sets receives the message. The manual page of a function names the version since which the
- * function is available.
+ * rtcSetDeviceErrorFunction sets receives the message. If the object of a function is NULL, rtcGetDeviceError(NULL)
+ * returns the code. All functions can also report RTC_ERROR_OUT_OF_MEMORY and RTC_ERROR_UNKNOWN.
+ *
+ * The manual page of a function names the version since which the function is available.
  *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression Scheme for Ray Tracing Subdivision
  * Surfaces with Displacement", 2018. */
@@ -113,9 +116,9 @@ enum RTCCompressionFlags
   /* rtcCommitGeometry compresses the geometry and releases its input. Afterwards the geometry reads only buffers of
    * vertex attributes; the application may free all other buffers that it shared. Scenes use the blocks as they are.
    *
-   * After the release, rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error. A commit is an error if anything but the
-   * mask, the filters or the enabled state changed, unless the application has set the input again: vertices and
-   * faces with their indices, grids, or indices.
+   * After the release, rtcInterpolate of RTC_BUFFER_TYPE_VERTEX reports RTC_ERROR_INVALID_OPERATION. So does
+   * rtcCommitGeometry if anything but the mask, the filters or the enabled state changed, unless the application has
+   * set the input again: vertices, and the faces with their indices, the grids, or the indices of a mesh.
    *
    * Has no effect on geometry that is not compressed. */
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
@@ -164,10 +167,10 @@ struct RTCCompressionArguments
   unsigned int flags; /* bits of RTCCompressionFlags */
 
   /* Progress function for rtcCommitGeometry with RTC_COMPRESSION_FLAG_RELEASE_INPUT, or NULL. It is called on any
-   * thread with the completed fraction, 0 to 1. If it returns false, the commit is canceled: rtcCommitGeometry reports
-   * RTC_ERROR_CANCELLED, and the geometry keeps its input. */
+   * thread, and by several threads at the same time, with the completed fraction, 0 to 1. If it returns false, the
+   * commit is canceled: rtcCommitGeometry reports RTC_ERROR_CANCELLED, and the geometry keeps its input. */
   RTCProgressMonitorFunction progress;
-  void* progressUserPtr;
+  void* progressUserPtr;    /* passed to the progress function. Must be valid until the commit */
 };
 
 /* Sets all arguments to inherit the settings of the device. args: written, not NULL. */
@@ -199,8 +202,9 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, a wrong structSize, an unknown compression, a frame level outside of
  * -2 to 8, a maxError that is not finite, a maxPixelError that is negative or not finite, an invalid camera, a
- * fallbackFaces above 1, or unknown flags. RTC_ERROR_INVALID_OPERATION for a geometry of another type. After an error
- * the geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
+ * fallbackFaces above 1, unknown flags, or a compression that the library was built without.
+ * RTC_ERROR_INVALID_OPERATION for a geometry of another type, and for a geometry that was loaded from a file. After an
+ * error the geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
 /* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */

@@ -36,7 +36,9 @@ struct RTCDicingArguments
 };
 
 /* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their
- * defaults. args: written, not NULL. */
+ * defaults.
+ *
+ * args: written, not NULL. */
 RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
 {
   args->structSize = sizeof(*args);
@@ -54,7 +56,7 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
 
 /* Sets the level buffer (RTC_BUFFER_TYPE_LEVEL) of a subdivision geometry so that its quads have about the requested
  * size in the picture. Commit the geometry afterwards. The function replaces an existing level buffer and does not
- * write to it. rtcGetGeometryBufferData returns the new buffer, with one float per index.
+ * write to the old one. rtcGetGeometryBufferData returns the new buffer, with one float per index.
  *
  * The function measures edges on the displaced limit surface. For this it calls the displacement function of the
  * geometry for points of all faces, about 1/16 as many points as there will be quads. It measures lengths as if the
@@ -68,10 +70,12 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
  *
  * Ignores vertices that are not finite, and holes.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for members that are not finite or
- * outside of the ranges above; the message names the member. RTC_ERROR_INVALID_OPERATION for geometry of another
- * type and for a geometry that is not committed. After an error the geometry keeps its levels. Thread safety: as
- * rtcSetGeometryTessellationRate. Several threads call the displacement function. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, for members that are not finite or outside of
+ * the ranges above, and for faces with an index past the vertices; the message names the member or the face.
+ * RTC_ERROR_INVALID_OPERATION for geometry of another type, for a geometry that is not committed, for a geometry that
+ * released its input or was loaded from a file, and if a time step has fewer vertices than the first one. After an
+ * error the geometry keeps its levels. Thread safety: as rtcSetGeometryTessellationRate. Several threads call the
+ * displacement function. */
 RTC_API void rtcDiceGeometry(RTCGeometry geometry, const struct RTCDicingArguments* args);
 
 RTC_NAMESPACE_END

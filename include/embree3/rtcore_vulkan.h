@@ -27,16 +27,30 @@
  * This header includes Vulkan's. An application that loads Vulkan's functions itself, for example with volk, defines
  * VK_NO_PROTOTYPES first.
  *
- * Errors: as in Embree, a function that fails returns NULL or 0. rtcGetDeviceError of the RTCDevice returns the error
- * code, and the function that rtcSetDeviceErrorFunction sets receives the message. Messages about an exceeded limit
- * name the limit and the value.
+ * Errors: as in Embree, a function that fails returns NULL, 0 or false. rtcGetDeviceError of the RTCDevice returns the
+ * error code, and the function that rtcSetDeviceErrorFunction sets receives the message. Without an RTCDevice, and if
+ * the object of a function is NULL, rtcGetDeviceError(NULL) returns the code. Messages about an exceeded limit name the
+ * limit and the value. The codes:
  *
- * Structs begin with structSize, see rtcore_compression.h. The manual page of a function names the version since which
- * the function is available.
+ * - RTC_ERROR_INVALID_ARGUMENT: an argument is NULL although the comment does not allow it, or is out of range, or a
+ *   structSize is wrong.
+ * - RTC_ERROR_INVALID_OPERATION: the scene is not committed or contains what the device cannot trace, or the device was
+ *   not opened for the operation.
+ * - RTC_ERROR_OUT_OF_MEMORY: memory of the host or the device ran out.
+ * - RTC_ERROR_UNSUPPORTED_CPU: there is no Vulkan loader, no driver, or no device with the required features.
+ * - RTC_ERROR_UNKNOWN: a function of Vulkan failed for another reason, for example because the device was lost.
  *
- * Thread safety: functions of different objects may be called at the same time. rtcNewVulkanScene and the rtcStart
- * functions use the queue of the device, one call at a time. An application that uses the same queue, its own or
- * that of rtcGetVulkanDeviceHandles, must not use it during these calls. */
+ * Structs begin with structSize, see rtcore_compression.h. `unsigned int` members that begin with `is` or `has` are 0
+ * or 1. The manual page of a function names the version since which the function is available.
+ *
+ * Cost: the first closest-hit and the first any-hit trace of a scene compile a shader, unless an earlier scene with the
+ * same kinds of leaves and the same stackSize did. Compiled shaders are kept in the folder embree-cbvh of
+ * $XDG_CACHE_HOME, or of ~/.cache, between runs.
+ *
+ * Thread safety: any thread may call any function, also for the same object, with these restrictions: a command buffer
+ * and a trace are used by one thread at a time. rtcNewVulkanScene and the rtcStart functions use the queue of the
+ * device, one call at a time. An application that uses the same queue, its own or the queue that
+ * rtcGetVulkanDeviceHandles returns, must not use it during these calls. */
 
 #include "rtcore_compression.h"
 #include <vulkan/vulkan_core.h>
@@ -55,28 +69,33 @@ struct RTCVulkanDeviceInfo
   char driver[256];         /* name and version of the driver */
   char unsupported[256];    /* features that the device lacks, or an error of its driver; empty if it is supported */
   unsigned int isDiscrete;  /* 1 if the device has its own memory */
-  unsigned int hasFloat64;
+  unsigned int hasFloat64;  /* 1 if it has shaderFloat64 */
   size_t memoryBytes;       /* size of the largest heap of the device's memory */
-  unsigned int hasRayQuery; /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query */
+  unsigned int hasRayQuery; /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their features */
 };
 
 /* Lists the Vulkan devices of the machine, in the order of the Vulkan loader.
  *
  * device: receives errors, may be NULL.
- * infos:  array of `capacity` entries, or NULL. structSize is set in each entry, and is the distance in bytes from one
- *         entry to the next.
+ * infos:  written: array of `capacity` entries, or NULL. The application sets structSize in each entry, to the same
+ *         value, which is the distance in bytes from one entry to the next.
  *
- * Returns the number of devices; 0 also if there is no loader or if a structSize is wrong. */
+ * Returns the number of devices, which may exceed `capacity`. Returns 0 also on errors.
+ *
+ * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader or no driver. RTC_ERROR_INVALID_ARGUMENT for a wrong
+ * structSize. An unsupported device is no error, see RTCVulkanDeviceInfo::unsupported. */
 RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
 
 /* Opens a Vulkan device.
  *
- * device: receives errors.
+ * device: retained; receives errors. May be NULL.
  * which:  an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia"; case is ignored). NULL or
  *         "" selects the first supported device, discrete devices first.
  *
- * Returns the device, to be released by rtcReleaseVulkanDevice. Returns NULL if there is no loader, no device, no
- * device with this name, or if the device lacks a feature. */
+ * Returns the device, to be released by rtcReleaseVulkanDevice, or NULL.
+ *
+ * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader, no driver or no device, or if all devices that fit lack a
+ * feature. RTC_ERROR_INVALID_ARGUMENT if no device has this index or name. */
 RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which);
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
@@ -98,17 +117,28 @@ struct RTCVulkanHandles
 
 /* Creates a device from the application's handles.
  *
- * device:  receives errors.
+ * device:  retained; receives errors. May be NULL.
  * handles: read during the call, not NULL.
  *
- * Returns NULL if a handle is missing or structSize is wrong. */
+ * Returns the device, to be released by rtcReleaseVulkanDevice, or NULL.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT if a handle is missing, structSize is wrong, the physical device lacks a feature
+ * that is required or that a member declares as enabled, or queueFamily does not support compute.
+ * RTC_ERROR_INVALID_OPERATION if the instance or the device has no functions of Vulkan 1.2 or of an extension that a
+ * member declares as enabled. */
 RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
 
-/* Add and remove a reference to a device. Removing the last one closes it. Scenes of the device hold a reference. */
+/* Add and remove a reference to a device. Removing the last one closes it. Scenes of the device hold a reference.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
 RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
 
-/* Return the description and the handles of a device. info, handles: written during the call; structSize is read. */
+/* Return the description and the handles of a device.
+ *
+ * info, handles: written during the call, not NULL; structSize is read.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
 RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
 RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
 
@@ -140,15 +170,16 @@ struct RTCVulkanSceneArguments
   enum RTCVulkanTraversal traversal;
   RTCVulkanScene previous;      /* for ray queries: a scene from before an edit, or NULL. If a geometry has new blocks,
                                  * but the same number of them, the driver updates the structure of the previous scene.
-                                 * This is faster than a build; rays become slower the farther the geometry has moved */
+                                 * This is faster than a build; rays become slower the farther the geometry has moved.
+                                 * Of the same device, also for ray queries. Read during the call only */
 };
 
 /* Puts a committed scene on a device, with the scenes that it instances.
  *
  * The Vulkan scene does not change when the scene is committed again: create a new one then, and release the old one
  * afterwards. Blocks of compressed geometry that did not change, or that another scene on the device has, are not sent
- * again. The Vulkan scene retains the scene. With imported memory, the scene must not change while the Vulkan scene
- * exists.
+ * again. With imported memory, the Vulkan scene retains the scene, which must not change while the Vulkan scene exists.
+ * With copied memory, the scene may be changed and released afterwards.
  *
  * Supported are subdivision surfaces (GRID and all compressed representations), compressed grids, quads and triangles,
  * triangle meshes, and instances, all without filter functions. With motion blur, compressed geometry and instances
@@ -164,15 +195,24 @@ struct RTCVulkanSceneArguments
  * scene:  committed.
  * args:   read during the call. NULL selects the defaults: all members zero.
  *
- * Returns the scene, to be released by rtcReleaseVulkanScene, or NULL. */
+ * Returns the scene, to be released by rtcReleaseVulkanScene, or NULL. The function waits for the device.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for invalid members. RTC_ERROR_INVALID_OPERATION for a scene that is
+ * not committed, unsupported geometry, instances of scenes with instances, a damaged block, an exceeded limit of the
+ * device, and for ray queries or imported memory that the device does not support. If the scene belongs to another
+ * RTCDevice than the Vulkan device, that one may receive the reason. */
 RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene,
     const struct RTCVulkanSceneArguments* args);
 
-/* Add and remove a reference to a scene. Removing the last one frees its memory on the device. */
+/* Add and remove a reference to a scene. Removing the last one frees its memory on the device: no command that traces
+ * the scene may be pending then. Traces of the rtcStart functions hold a reference.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API void rtcRetainVulkanScene (RTCVulkanScene scene);
 RTC_API void rtcReleaseVulkanScene (RTCVulkanScene scene);
 
-/* Returns the argument `scene` of cbvhIntersect in shaders, as two words, the lower word first. */
+/* Returns the argument `scene` of cbvhIntersect in shaders, which receive it as two words, the lower word first. The
+ * address is valid as long as the scene. */
 RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
 
 /* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines CBVH_KINDS
@@ -185,9 +225,14 @@ RTC_API unsigned int rtcGetVulkanSceneLeafKinds (RTCVulkanScene scene);
  * scene:     created for ray queries.
  * instances: array of `capacity` entries, or NULL.
  *
- * Returns the number of instances. The mask of an instance is 0xFF, and its custom index is read by
- * cbvhIntersectCandidate. Its transform is that of the instance in the scene; the application may multiply it from
- * the left by a transform of its own. The structures that instances refer to live as long as the scene. */
+ * Returns the number of instances, which may exceed `capacity`. The mask of an instance is 0xFF, and its custom index
+ * is
+ * read by cbvhIntersectCandidate: the application must not change it. Its transform is the transform of the instance in
+ * the scene; the application may multiply it from the left by a transform of its own. The structures that instances
+ * refer to live as long as the scene.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the scene was not created for ray
+ * queries. */
 RTC_API unsigned int rtcGetVulkanSceneInstances (RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances,
     unsigned int capacity);
 
@@ -207,7 +252,11 @@ struct RTCVulkanSceneStatistics
   size_t numBuiltBoxes, numUpdatedBoxes; /* boxes in structures that were built, or updated, for this scene */
 };
 
-/* Returns the statistics of a scene. statistics: written during the call; structSize is read. */
+/* Returns the statistics of a scene.
+ *
+ * statistics: written during the call, not NULL; structSize is read.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
 RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
 
 /* --- tracing --------------------------------------------------------------------------- */
@@ -219,7 +268,10 @@ RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkan
  *       becomes -inf if the ray hits anything.
  *
  * The caller records the barriers before and after: the commands read and write the rays in
- * VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT. They bind a compute pipeline and set push constants. */
+ * VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT. They bind a compute pipeline and set push constants. The scene and the rays
+ * must exist until the commands have been executed. `count` may be 0.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for an address that is 0 or not a multiple of 16. */
 RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count);
 RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
@@ -229,9 +281,17 @@ RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer comm
  * where they are. Incoherent rays are faster if neighbors in the buffer have similar origins and directions. Sorting
  * pays off for rays of several bounces, not for camera rays.
  *
- * rays:  device address, a multiple of 16, of rays that are `stride` bytes apart and begin like an RTCRay.
- * order: device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. A barrier to compute shaders
- *        follows the sort. */
+ * rtcGetVulkanRayOrderBytes returns the size of the memory for the order. rtcRecordVulkanRayOrder records the sort and
+ * a barrier to compute shaders. The other functions record the trace of the same rays, as rtcRecordVulkanIntersect and
+ * rtcRecordVulkanOccluded do.
+ *
+ * rays:   device address, a multiple of 16. rtcRecordVulkanRayOrder accepts any rays that begin like an RTCRay.
+ * stride: bytes from one ray to the next, a multiple of 4, at least 28.
+ * count:  of rays, at most 2^27.
+ * order:  device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. 0 traces without an order.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an invalid address, an invalid stride, and a count above 2^27 or above
+ * the device's limit. */
 RTC_API size_t rtcGetVulkanRayOrderBytes (size_t count);
 RTC_API bool rtcRecordVulkanRayOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t stride, size_t count, VkDeviceAddress order);
@@ -240,29 +300,36 @@ RTC_API bool rtcRecordVulkanIntersectInOrder (RTCVulkanScene scene, VkCommandBuf
 RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count, VkDeviceAddress order);
 
-/* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default. */
+/* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API void rtcSetVulkanSceneRaySort (RTCVulkanScene scene, bool enabled);
 
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
-/* Durations of a trace. */
+/* Durations of a trace. All are 0 if the device has no clock. */
 struct RTCVulkanTimes
 {
   size_t structSize RTC_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
-  double traceSeconds;     /* tracing on the device, without copies; 0 if the device has no clock */
+  double traceSeconds;     /* tracing on the device, without copies */
   double copySeconds;      /* copies of rays and hits on the device */
   double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySort */
 };
 
 /* Start tracing an array of `count` rays in host memory, and return before they are traced.
  *
- * rays: read during the call. Members as for rtcRecordVulkanIntersect and rtcRecordVulkanOccluded.
+ * rays: read during the call. Members as for rtcRecordVulkanIntersect and rtcRecordVulkanOccluded. May be NULL if
+ *       `count` is 0.
  *
- * Return the trace, or NULL on failure. Each trace must be ended by rtcWaitVulkanTrace. */
+ * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcWaitVulkanTrace.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a count that exceeds a limit. */
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
-/* Returns true if a trace has ended, so that rtcWaitVulkanTrace does not wait. */
+/* Returns true if a trace has ended, also if it failed, so that rtcWaitVulkanTrace does not wait. Does not wait itself.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
 
 /* Waits for a trace, writes its rays and releases it, also on failure.
@@ -271,7 +338,9 @@ RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
  * times: NULL, or written; structSize is read.
  *
  * Returns false if the trace failed, for example because the device was lost, or for a wrong structSize. The rays are
- * unchanged then. */
+ * unchanged then.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. RTC_ERROR_UNKNOWN if the device was lost. */
 RTC_API bool rtcWaitVulkanTrace (RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
 
 RTC_NAMESPACE_END

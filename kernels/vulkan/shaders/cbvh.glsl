@@ -2,20 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Traces rays in a shader. Installed as embree3/cbvh.glsl. A scene is the address from rtcGetVulkanSceneAddress, as two
- * words; nothing is bound. The device needs bufferDeviceAddress and scalarBlockLayout. With shaderFloat64, cVERT's
- * distances are the same as on the CPU.
+ * words, the lower word first; nothing is bound. The device needs bufferDeviceAddress and scalarBlockLayout. With
+ * CBVH_FLOAT64, cVERT's distances are the same as on the CPU.
  *
  *   #define CBVH_KINDS ...        optional: (specialization) constant with all bits of rtcGetVulkanSceneLeafKinds;
- *                                 other kinds of leaves are not compiled
- *   #define CBVH_STACK ...        optional: stackSize of rtcGetVulkanSceneStatistics or more
- *   #define CBVH_FLOAT64          if the device has shaderFloat64
- *   #define CBVH_RAY_QUERY        optional: ray queries, see below
+ *                                 rays miss other kinds of leaves, which are not compiled. Default: all kinds
+ *   #define CBVH_STACK ...        stackSize of rtcGetVulkanSceneStatistics or more. Default: 96. With a smaller stack
+ *                                 than the scene needs, the behavior is undefined
+ *   #define CBVH_FLOAT64          optional: if shaderFloat64 is enabled on the device
+ *   #define CBVH_RAY_QUERY        optional: ray queries, see below. Requires GL_EXT_ray_query
  *   #include <embree3/cbvh.glsl>
  *
  *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, mask, time);
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
+ *
+ * A CbvhRay has the members of RTCRay, and a CbvhHit has the members of RTCHit and the distance t. tnear, tfar and t
+ * are in lengths of the direction. After a miss, t is tfar and the IDs are CBVH_NONE. Only the functions and types on
+ * this page are the API; other names may change in any version.
  *
  * Each call inlines the traversal. A loop around one call compiles faster than several calls.
  *

@@ -111,9 +111,15 @@ def with_prefix(text):
     for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", code, flags=re.M):
         names |= set(re.findall(r"(?:^|, )(\w+) =", declaration))
     names = {name for name in names if not name.lower().startswith("cbvh")}
-    for name in sorted(names):
-        text = re.sub(r"(?<![\w.])%s\b" % name, "cbvh_" + name, text)
-    return text
+    pattern = re.compile(r"(?<![\w.])(?:%s)\b(?=(\()?)" % "|".join(sorted(names)))
+
+    def renamed(match, is_comment):
+        # in comments, a word in lowercase is a name only if it is called
+        is_word = is_comment and match[0].islower() and not match[1]
+        return match[0] if is_word else "cbvh_" + match[0]
+
+    parts = re.split(r"(/\*.*?\*/|//[^\n]*)", text, flags=re.S)  # code and comments in turn
+    return "".join(pattern.sub(lambda match: renamed(match, bool(i % 2)), part) for i, part in enumerate(parts))
 
 
 def main():
