@@ -408,8 +408,7 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
  * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
- * visits them for
- * the first time: damaged ones are left out, and the first one is reported to the error function. */
+ * visits them for the first time: damaged ones are left out, and the first one is reported to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */
@@ -464,13 +463,15 @@ CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 
-/* Checks flags of a geometry. cbvhNewGeometry in cbvh/embree.h calls this function.
+/* Checks whether a group can become a geometry. cbvhNewGeometry in cbvh/embree.h calls this function.
  *
- * flags: to check.
- * known: all bits that the caller supports.
+ * group: committed; the function does not check this.
+ * flags: of the geometry.
+ * known: all bits of flags that the caller supports.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT if other bits are set; the message names them. */
-CBVH_API enum CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known);
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if other bits are set, and CBVH_ERROR_INVALID_OPERATION if the group has 2^32 - 1
+ * primitives or more, which the primID of a hit cannot count. The message states the reason. */
+CBVH_API enum CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int known);
 
 /* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty, not committed or
  * NULL.

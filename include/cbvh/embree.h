@@ -310,12 +310,8 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
  *         cbvhSetGroupUserPtr for a pointer of the application.
  * flags:  bits of CbvhGeometryFlags.
  *
- * Returns NULL in three cases:
- *
- * - Embree cannot create the geometry. The device then has an error.
- * - The group is NULL, or flags has unknown bits. cbvhGetErrorText returns the reason. For unknown bits, the error
- *   function of the context is called with CBVH_ERROR_INVALID_ARGUMENT.
- * - The group has 2^32 - 1 primitives or more, which the primID of a hit cannot count. No error is reported.
+ * Returns NULL if Embree cannot create the geometry: the device then has an error. Also returns NULL if the group is
+ * NULL, or if cbvhCheckGeometry finds unknown flags or too many primitives: cbvhGetErrorText then returns the reason.
  *
  * Thread safety: as rtcNewGeometry. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
@@ -328,13 +324,9 @@ static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, uns
 #else
   const unsigned int known = CBVH_GEOMETRY_FILTERS;
 #endif
-  if (cbvhCheckGeometryFlags(group, flags, known) != CBVH_OK) return NULL;
+  if (cbvhCheckGeometry(group, flags, known) != CBVH_OK) return NULL;
   geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return NULL;
-  if (cbvhGetGroupFirstPrimitive(group, cbvhGetGroupSize(group)) == 0xFFFFFFFFu) {
-    rtcReleaseGeometry(geometry);
-    return NULL;
-  }
   if (flags == CBVH_GEOMETRY_FILTERS) { intersect = cbvhIntersectFiltered; occluded = cbvhOccludedFiltered; }
 #if RTC_VERSION_MAJOR >= 4
   if (flags == CBVH_GEOMETRY_CONTEXT_FILTERS) { intersect = cbvhIntersectContext; occluded = cbvhOccludedContext; }

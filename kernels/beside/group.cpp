@@ -133,14 +133,15 @@ int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, 
   return 1;
 }
 
-CbvhError cbvhCheckGeometryFlags(CbvhGroup group, unsigned int flags, unsigned int known)
+CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int known)
 {
   if (!group) return rejectArgument("group is NULL");
   return guarded(group->context.get(), [&] {
-    if ((flags & ~known) == 0) return;
     char text[96];
     std::snprintf(text, sizeof(text), "unknown flags 0x%x of a geometry: expected bits of 0x%x", flags & ~known, known);
-    throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+    require((flags & ~known) == 0, text);
+    if (group->firstPrimitive.back() >= maxPrimitive)
+      throw Failure{CBVH_ERROR_INVALID_OPERATION, "too many primitives for a geometry: expected less than 4294967295"};
   });
 }
 

@@ -499,6 +499,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
     OK(cbvhCommitGroup(group));
     RTCGeometry geometry = cbvhNewGeometry(device, group, 0);
     CHECK((geometry != nullptr) == (count*mesh.count < 0xFFFFFFFFu));
+    CHECK(geometry || std::string(cbvhGetErrorText()).find("too many primitives") != std::string::npos);
     if (geometry) rtcReleaseGeometry(geometry);
     cbvhReleaseGroup(group);
   }
