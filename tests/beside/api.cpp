@@ -8,6 +8,7 @@
 #include "support/edge_rates.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
+#include "small_cube.h"
 
 #include <cbvh/cbvh.h>
 #include <embree3/rtcore_compressed_clusters.h>
@@ -17,6 +18,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <thread>
 
 namespace cbvh::test {
 namespace {
@@ -762,6 +764,51 @@ TEST(Beside, ReferencedObjectsStayAlive)
   cbvhSetGroupUserPtr(group, &mine);
   EXPECT_EQ(cbvhGetGroupUserPtr(group), &mine);
   cbvhReleaseGroup(group);
+}
+
+// A surface may be set and committed while a thread traces a group that contains it: rays hit the group's last commit.
+TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
+{
+  const Context context;
+  const Surface surface(context);
+  const CbvhCage centered = cube();
+  float far[25];
+  for (int i = 0; i < 25; i++) far[i] = cubeVertices[i] + 10;
+  const float* const farSteps[] = {far};
+  CbvhCage moved = cube();
+  moved.vertices.steps = farSteps;
+  ASSERT_EQ(cbvhSetCage(surface, &centered), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  const Group group(context, {surface});
+  ASSERT_EQ(group.committed, CBVH_OK);
+
+  const auto isHit = [&] {
+    CbvhRayHit ray = {};
+    ray.ray.org_z = 5;
+    ray.ray.org_x = ray.ray.org_y = 0.01f;
+    ray.ray.dir_z = -1;
+    ray.ray.tfar = INFINITY;
+    ray.ray.mask = ~0u;
+    return cbvhIntersect1(group, &ray, nullptr) != 0;
+  };
+  std::atomic<bool> isDone{false};
+  std::atomic<size_t> misses{0}, rays{0};
+  std::thread tracing([&] {
+    while (!isDone) { misses += !isHit(); rays++; }
+  });
+  for (int i = 0; i < 100; i++) {
+    EXPECT_EQ(cbvhSetCage(surface, i % 2 ? &centered : &moved), CBVH_OK);
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  }
+  EXPECT_EQ(cbvhSetCage(surface, &moved), CBVH_OK);
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  while (rays == 0) std::this_thread::yield();
+  isDone = true;
+  tracing.join();
+  EXPECT_EQ(misses, 0u);
+  EXPECT_TRUE(isHit());
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK);
+  EXPECT_FALSE(isHit()) << "the new commit is elsewhere";
 }
 
 } // namespace
