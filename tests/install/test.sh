@@ -27,6 +27,9 @@ if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   [ -e "$work"/prefix/lib/libembree3_vulkan.so.3 ]
   [ -f "$work/prefix/include/embree3/rtcore_vulkan.h" ]
   [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
+  # the prefix of names is not in front of other words of comments
+  ! grep -E '^ *(/?\*|//)' "$work/prefix/include/embree3/cbvh.glsl" | grep -E '\bcbvh_[a-z]+\b([^(]|$)' ||
+    fail "prefixes in comments of cbvh.glsl"
   # it finds the library next to it
   ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
 fi
