@@ -137,9 +137,11 @@ CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int kn
 {
   if (!group) return rejectArgument("group is NULL");
   return guarded(group->context.get(), [&] {
-    char text[96];
-    std::snprintf(text, sizeof(text), "unknown flags 0x%x of a geometry: expected bits of 0x%x", flags & ~known, known);
-    require((flags & ~known) == 0, text);
+    if (const unsigned int unknown = flags & ~known) {
+      char text[96];
+      std::snprintf(text, sizeof(text), "unknown flags 0x%x of a geometry: expected bits of 0x%x", unknown, known);
+      throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+    }
     if (group->firstPrimitive.back() >= maxPrimitive)
       throw Failure{CBVH_ERROR_INVALID_OPERATION, "too many primitives for a geometry: expected less than 4294967295"};
   });

@@ -44,13 +44,7 @@ struct OddCalls : ::testing::Test
     ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
   }
 
-  static CbvhRayHit ray()
-  {
-    CbvhRayHit r = CbvhRayHit();
-    r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
-    return r;
-  }
-  bool isSeen(CbvhGroup by) const { CbvhRayHit r = ray(); return cbvhIntersect1(by, &r, nullptr) != 0; }
+  bool isSeen(CbvhGroup by) const { CbvhRayHit r = rayFromAbove(); return cbvhIntersect1(by, &r, nullptr) != 0; }
 };
 
 TEST_F(OddCalls, NullIsRejectedByEveryFunction)
@@ -64,7 +58,7 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
   const CbvhCage cage = cube();
   const CbvhGrids grids = CbvhGrids();
   const CbvhMesh mesh = CbvhMesh();
-  CbvhRayHit r = ray();
+  CbvhRayHit r = rayFromAbove();
   alignas(64) float packet[16*20] = {};
   size_t index = 0;
   unsigned primID = 0;

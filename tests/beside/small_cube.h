@@ -3,9 +3,11 @@
 
 #pragma once
 
-/* A cube with texture coordinates, as a cage of libembree_cbvh. */
+/* A cube with texture coordinates, as a cage of libembree_cbvh, and a ray that hits it. */
 
 #include <cbvh/cbvh.h>
+
+#include <cmath>
 
 namespace cbvh::test {
 
@@ -28,6 +30,13 @@ inline CbvhCage cube()
   cage.numAttributes = 1;
   cage.attributes = &attribute;
   return cage;
+}
+
+inline CbvhRayHit rayFromAbove()
+{
+  CbvhRayHit r = CbvhRayHit();
+  r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
+  return r;
 }
 
 } // namespace cbvh::test

@@ -188,8 +188,7 @@ struct StructSizes : ::testing::Test
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
         reported.clear();
-        CbvhRayHit r = CbvhRayHit();
-        r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
+        CbvhRayHit r = rayFromAbove();
         const int isHit = isOcclusion ? cbvhOccluded1(group, &r.ray, query) : cbvhIntersect1(group, &r, query);
         EXPECT_EQ(isHit != 0, reported.empty()) << reported;
         return reported;

@@ -115,16 +115,13 @@ private:
     {
       const FlatGeometry& geometry = inputs[s].flat->geometries[i];
       if (geometry.type != FLAT_INSTANCE) continue;
-      if (s != 0)
+      const bool isNested = s != 0;
+      if (isNested || geometry.instanced == inputs[0].scene)   // traversal of a scene in itself would never end
         throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i)
-                          + " is an instance: scenes with instances cannot be instanced, "
-                            "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
+                          + (isNested ? " is an instance" : " instances its own scene")
+                          + ": scenes with instances cannot be instanced, RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       if (!geometry.instanced)
         throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i) + " instances no scene");
-      if (geometry.instanced == inputs[s].scene)   // traversal would never end
-        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i)
-                          + " instances its own scene: scenes with instances cannot be instanced, "
-                            "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       addScene(geometry.instanced);
     }
   }
