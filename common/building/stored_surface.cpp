@@ -29,7 +29,7 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]
     return false;
   RTCCompressedTriangle triangle;
   const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy));
-  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
+  const bool found = rtcFindCompressedTriangle(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
                                                     &hit.normal.x, &triangle);
   if (found)
     std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
@@ -68,7 +68,7 @@ StoredMesh BuiltScene::storedMesh(float time) const
   for (size_t i = 0; i < numGeometries; i++)
   {
     sum.firstFace = i * facesPerCopy;
-    rtcForEachCompressedPartAtTime(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
+    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
   }
   device->check("reading the surface");
   throwIfCanceled();

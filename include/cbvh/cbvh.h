@@ -13,7 +13,7 @@
  *   CbvhSurface surface;  cbvhNewSurface(context, &surface);
  *   struct CbvhCage cage = {.structSize = sizeof(cage)};  // in C++: CbvhCage cage = CbvhCage();
  *   cage.numFaces = ...
- *   cbvhSetCage(surface, &cage);                     // a Catmull-Clark control cage, with displacement
+ *   cbvhSetSurfaceCage(surface, &cage);              // a Catmull-Clark control cage, with displacement
  *   cbvhCommitSurface(surface, NULL, NULL);          // from here on the cage's buffers may be freed
  *   CbvhGroup group;      cbvhNewGroup(context, &surface, 1, &group);
  *   cbvhCommitGroup(group);
@@ -124,23 +124,24 @@ CBVH_API void cbvhReleaseContext(CbvhContext context);
 
 typedef struct CbvhSurfaceTy* CbvhSurface;
 
-/* Positions of vertices at each time step, three floats each. cbvhSetCage copies them. For grids and meshes the library
- * reads the caller's arrays until the surface is committed; as in Embree, the 4 bytes after the last vertex of each
- * time step must then be readable. */
+/* Positions of vertices at each time step, three floats each. cbvhSetSurfaceCage copies them. For grids and meshes the
+ * library reads the caller's arrays until the surface is committed; as in Embree, the 4 bytes after the last vertex of
+ * each time step must then be readable. */
 struct CbvhVertices
 {
   size_t count;
   size_t stride;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
   const float* const* steps;  /* one pointer per time step */
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
-  float begin, end;           /* times of the first and the last step, finite, begin < end. Steps are evenly spaced.
-                               * Vertices are interpolated linearly between steps. Outside of the time range there is
-                               * no surface. Ignored if numSteps is 1 */
+  float startTime, endTime;   /* times of the first and the last step, finite, startTime < endTime. Steps are evenly
+                               * spaced. Vertices are interpolated linearly between steps. Outside of the time range
+                               * there is no surface. Ignored if numSteps is 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
- * points, read and written. Ng: their normals, of length 1. u, v: parameters on the face, as for cbvhInterpolate. Each
- * coordinate has an array of its own. Several threads call the function at the same time. */
+ * points, read and written. Ng: their normals, of length 1. u, v: parameters on the face, as for
+ * cbvhInterpolateAttribute. Each coordinate has an array of its own. Several threads call the function at the same
+ * time. */
 struct CbvhDisplacementArguments
 {
   void* userPtr;
@@ -161,7 +162,8 @@ enum CbvhBoundary
   CBVH_BOUNDARY_PIN_ALL = 3       /* no vertex moves: faces are bilinear */
 };
 
-/* Values at the corners of faces for cbvhInterpolate, for example texture coordinates. cbvhSetCage copies them. */
+/* Values at the corners of faces for cbvhInterpolateAttribute, for example texture coordinates. cbvhSetSurfaceCage
+ * copies them. */
 struct CbvhAttribute
 {
   const float* values;
@@ -197,16 +199,17 @@ struct CbvhCage
   const unsigned int* holes;         /* numHoles faces that are left out */
 
   CbvhDisplacementFunction displacement; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
-  void* displacementPtr;             /* passed to the displacement function. Must be valid until the commit */
+  void* displacementUserPtr;         /* passed to the displacement function. Must be valid until the commit */
 
   size_t numAttributes;
   const struct CbvhAttribute* attributes;
 };
 
-/* A grid of vertices in row-major order. */
+/* A grid of vertices in row-major order, in the layout of RTCGrid. */
 struct CbvhGrid
 {
-  unsigned int first, stride;       /* first vertex, and number of vertices from one row to the next */
+  unsigned int startVertexID;       /* first vertex */
+  unsigned int stride;              /* number of vertices from one row to the next */
   unsigned short width, height;     /* in vertices, at least 2 */
 };
 
@@ -214,7 +217,7 @@ struct CbvhGrid
 struct CbvhGrids
 {
   size_t structSize CBVH_SIZE_OF(CbvhGrids);
-  size_t count;
+  size_t numGrids;
   const struct CbvhGrid* grids;
   struct CbvhVertices vertices;
 };
@@ -227,16 +230,16 @@ struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
   unsigned int verticesPerFace;     /* 4: quads, 3: triangles */
-  size_t count;                     /* number of quads or triangles */
+  size_t numFaces;                  /* number of quads or triangles */
   const unsigned int* indices;      /* of vertices, `verticesPerFace` per quad or triangle */
   struct CbvhVertices vertices;
 };
 
 /* A camera, and the size of quads in its picture. If all members but structSize, position and pixelSize are zero, quads
  * have the size of a pixel, and everything around the camera counts as inside of the picture. */
-struct CbvhDicing
+struct CbvhDicingArguments
 {
-  size_t structSize CBVH_SIZE_OF(CbvhDicing);
+  size_t structSize CBVH_SIZE_OF(CbvhDicingArguments);
   float position[3];                /* in world space. For an orthographic camera, only pixelSize and the region of the
                                      * picture matter */
   float direction[3];               /* towards the center of the picture, of any length */
@@ -257,7 +260,7 @@ struct CbvhDicing
 };
 
 /* Bounds of the error of stored vertices. If all members are zero, the spacing of the lattice is at most 1/36 of the
- * median edge of quads for cages, 1/512 for grids, and 1/2048 for meshes. See also cbvhSetLossless. */
+ * median edge of quads for cages, 1/512 for grids, and 1/2048 for meshes. See also cbvhSetSurfaceLossless. */
 struct CbvhAccuracy
 {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
@@ -291,21 +294,21 @@ CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
  * Return CBVH_ERROR_INVALID_ARGUMENT if a member is invalid; the message states which. After an error, the earlier
  * input is kept. Vertices that are not finite are no error. The functions do not check the vertices that grids and
  * meshes refer to: see cbvhCommitGroup and CbvhMesh. */
-CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
-CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
-CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
+CBVH_API enum CbvhError cbvhSetSurfaceCage(CbvhSurface surface, const struct CbvhCage* cage);
+CBVH_API enum CbvhError cbvhSetSurfaceGrids(CbvhSurface surface, const struct CbvhGrids* grids);
+CBVH_API enum CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
 
 /* Sets the edge rates of a cage so that its quads have about the requested size in a picture. Call it after
- * cbvhSetCage, whose rates it replaces by powers of two. A commit releases the cage: for another view, call
- * cbvhSetCage again. Edges are measured on the displaced surface: several threads call the displacement function, for
- * about 1/16 as many points as there will be quads.
+ * cbvhSetSurfaceCage, whose rates it replaces by powers of two. A commit releases the cage: for another view, call
+ * cbvhSetSurfaceCage again. Edges are measured on the displaced surface: several threads call the displacement
+ * function, for about 1/16 as many points as there will be quads.
  *
  * dicing: structSize is read.
  * rates:  written on success, one entry per index of the cage, or NULL.
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if no cage was set since the last commit, and CBVH_ERROR_INVALID_ARGUMENT for
  * an invalid member, which the message names. After an error, the cage keeps its rates. */
-CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
+CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicingArguments* dicing, float* rates);
 
 /* Sets the accuracy of all later commits. A commit without new input fails if the accuracy changed, because
  * the earlier commit released the input.
@@ -314,16 +317,16 @@ CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDi
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT if a bound is negative or not finite, or if maxPixelError is not 0 and the camera
  * is not finite or pixelSize is not positive. */
-CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
+CBVH_API enum CbvhError cbvhSetSurfaceAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
 /* Sets whether later commits are lossless. A lossless commit stores the exact vertices of grids and meshes, and of
- * cages the vertices that Embree evaluates, and ignores cbvhSetAccuracy. A commit without new input fails if the
+ * cages the vertices that Embree evaluates, and ignores cbvhSetSurfaceAccuracy. A commit without new input fails if the
  * setting changed.
  *
  * lossless: 1 or 0, the default is 0.
  *
  * Returns CBVH_OK, or an error that all functions share. */
-CBVH_API enum CbvhError cbvhSetLossless(CbvhSurface surface, int lossless);
+CBVH_API enum CbvhError cbvhSetSurfaceLossless(CbvhSurface surface, int lossless);
 
 /* Sets the mask of a surface. A ray can hit the surface if its mask and the surface's mask have a common bit. By
  * default all bits are set. The mask takes effect with the next cbvhCommitGroup of a group that contains the
@@ -339,16 +342,16 @@ typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
  * input was set since the last commit and the accuracy is unchanged. Rays of a group hit the new surface after the next
- * cbvhCommitGroup. Quads with vertices that are not finite are left out; CbvhStatistics counts them.
+ * cbvhCommitGroup. Quads with vertices that are not finite are left out; CbvhGroupStatistics counts them.
  *
  * progress: may be NULL.
  * userPtr:  passed to the progress function.
  *
  * Returns CBVH_ERROR_CANCELLED if the progress function cancels. Returns CBVH_ERROR_INVALID_OPERATION if the surface
- * has no input, if cbvhSetAccuracy or cbvhSetLossless changed it but no input was set again, or if a mesh cannot be
- * stored, for example because it has fewer than 256 quads or triangles. Returns CBVH_ERROR_INVALID_ARGUMENT if a grid
- * of over 2^24 vertices has a stride of 0. The message states the reason. After an error the surface is unchanged and
- * keeps its input. */
+ * has no input, if cbvhSetSurfaceAccuracy or cbvhSetSurfaceLossless changed it but no input was set again, or if a mesh
+ * cannot be stored, for example because it has fewer than 256 quads or triangles. Returns CBVH_ERROR_INVALID_ARGUMENT
+ * if a grid of over 2^24 vertices has a stride of 0. The message states the reason. After an error the surface is
+ * unchanged and keeps its input. */
 CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
 
 /* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
@@ -367,13 +370,13 @@ CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for an attribute, a face or parameters that the cage does not have, and
  * CBVH_ERROR_INVALID_OPERATION if the surface is not committed. */
-CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v,
+CBVH_API enum CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned int primID, float u, float v,
     unsigned int attribute, float* P, float* dPdu, float* dPdv);
 
-/* Points on one face, for cbvhInterpolatePoints. */
-struct CbvhInterpolation
+/* Points on one face, for cbvhInterpolateAttributeAtPoints. */
+struct CbvhInterpolationPoints
 {
-  size_t structSize CBVH_SIZE_OF(CbvhInterpolation);
+  size_t structSize CBVH_SIZE_OF(CbvhInterpolationPoints);
   unsigned int primID, attribute;
   size_t count;
   const float *u, *v;             /* parameters of the points, as for a displacement function */
@@ -385,9 +388,10 @@ struct CbvhInterpolation
  *
  * points: structSize is read, and the arrays P, dPdu and dPdv are written.
  *
- * Returns errors as cbvhInterpolate. The message names the first point with invalid parameters; nothing is written
- * then. */
-CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
+ * Returns errors as cbvhInterpolateAttribute. The message names the first point with invalid parameters; nothing is
+ * written then. */
+CBVH_API enum CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface,
+    const struct CbvhInterpolationPoints* points);
 
 /* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
  * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
@@ -443,7 +447,7 @@ CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not
  * retained: call cbvhRetainSurface if it must outlive the group. */
-CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
+CBVH_API size_t cbvhGetGroupSurfaceCount(CbvhGroup group);
 CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 
 /* Set and return a pointer that the application stores with a group. It is NULL at first. The library does not use
@@ -453,8 +457,9 @@ CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 
 /* Number the primitives of all surfaces of a committed group consecutively.
  *
- * cbvhGetGroupFirstPrimitive returns the number of the first primitive of a surface. For the index cbvhGetGroupSize it
- * returns the count of all primitives, and 0 for larger indices. It returns at most 4294967295.
+ * cbvhGetGroupFirstPrimitive returns the number of the first primitive of a surface. For the index
+ * cbvhGetGroupSurfaceCount it returns the count of all primitives, and 0 for larger indices. It returns at most
+ * 4294967295.
  *
  * cbvhFindGroupPrimitive writes the index of the surface and the primitive of a number and returns 1, or returns 0
  * if no primitive has this number. It searches in the surfaces by bisection.
@@ -480,9 +485,9 @@ CBVH_API enum CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, u
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
 
 /* Memory and size of a group. */
-struct CbvhStatistics
+struct CbvhGroupStatistics
 {
-  size_t structSize CBVH_SIZE_OF(CbvhStatistics);
+  size_t structSize CBVH_SIZE_OF(CbvhGroupStatistics);
   size_t bytes;                 /* memory of the tree and all blocks, including blocks that groups share, without the
                                  * attributes of cages */
   size_t numQuads;              /* of the tessellation; two triangles of a mesh count as a quad */
@@ -496,7 +501,7 @@ struct CbvhStatistics
  * statistics: written on success; structSize is read.
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if the group is not committed. */
-CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhStatistics* statistics);
+CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhGroupStatistics* statistics);
 
 /* --- rays -------------------------------------------------------------------------------- */
 
@@ -532,7 +537,7 @@ struct CBVH_ALIGNED CbvhRayHit
 struct CbvhFilterArguments
 {
   int* valid;
-  void* userPtr;               /* the filterPtr of the query */
+  void* userPtr;               /* the filterUserPtr of the query */
   void *rays, *hits;
   unsigned int count;
 };
@@ -540,7 +545,7 @@ typedef void (*CbvhFilterFunction)(const struct CbvhFilterArguments* args);
 
 enum CbvhQueryFlags
 {
-  CBVH_QUERY_COHERENT = 1      /* the rays of a packet have similar origins and directions */
+  CBVH_QUERY_FLAG_COHERENT = 1 /* the rays of a packet have similar origins and directions */
 };
 
 /* Options of a query. */
@@ -549,7 +554,7 @@ struct CbvhQuery
   size_t structSize CBVH_SIZE_OF(CbvhQuery);
   unsigned int flags;          /* bits of CbvhQueryFlags */
   CbvhFilterFunction filter;   /* called on the tracing thread. NULL: every hit counts */
-  void* filterPtr;             /* passed to the filter function */
+  void* filterUserPtr;         /* passed to the filter function */
 };
 
 /* Find closest hits. If a ray hits a surface at a distance below tfar, tfar becomes this distance and the hit is
@@ -604,7 +609,7 @@ struct CbvhTriangle
  * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
  * outside of the time range, and on errors. The error function is called if the surface is not committed or its file
  * has a damaged block. */
-CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
+CBVH_API int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
 
 /* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
@@ -650,8 +655,8 @@ enum CbvhClusterFormat
 enum CbvhClusterReason
 {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  CBVH_CLUSTER_REASON_RAW = 1,         /* the block stores these vertices with the precision of floats, which no lattice
-                                        * of the format represents */
+  CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores these vertices with the precision of floats, which no
+                                        * lattice of the format represents */
   CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                         * belong to a moving mesh block */
   CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
@@ -668,8 +673,8 @@ struct CbvhCluster
   size_t bytes;                  /* of data */
   const unsigned char* indices;  /* three vertices for each triangle; with DGF in the order in which a decoder emits
                                   * them */
-  const unsigned int* triangles; /* number in the part of each triangle: 2 ((width-1) y + x) for the first triangle of
-                                  * quad x, y, and 1 more for its second */
+  const unsigned int* triangleNumbers; /* number in the part of each triangle: 2 ((width-1) y + x) for the first
+                                        * triangle of quad x, y, and 1 more for its second */
   unsigned int firstTriangle;    /* number of triangles in all clusters before. With DGF the primitive indices of the
                                   * block start here */
   unsigned int width, height;    /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
@@ -678,16 +683,16 @@ struct CbvhCluster
 };
 
 /* Totals over clusters. */
-struct CbvhClusterReport
+struct CbvhClusterStatistics
 {
-  size_t structSize CBVH_SIZE_OF(CbvhClusterReport);
+  size_t structSize CBVH_SIZE_OF(CbvhClusterStatistics);
   size_t numClusters, numTriangles;
   size_t numVertices;            /* shared vertices count once for each cluster */
   size_t bytes;                  /* of data */
   size_t indexBytes;             /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
                                   * DGF, whose blocks contain indices */
-  size_t numClustersOf[4];       /* by CbvhClusterReason */
-  size_t numTrianglesOf[4];      /* by CbvhClusterReason */
+  size_t numClustersByReason[4]; /* by CbvhClusterReason */
+  size_t numTrianglesByReason[4]; /* by CbvhClusterReason */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning 0 ends the enumeration. */
@@ -699,19 +704,19 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left
  * out, because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
  *
- * surface:  committed.
- * time:     of rays. Ignored for a surface that does not move. At a time step, vertices are on their lattice.
- * format:   of the clusters.
- * function: NULL if only the report is needed.
- * userPtr:  passed to the function.
- * report:   totals over the clusters that were passed, or NULL; structSize is read. Written on success, and if an error
- *           ends the enumeration.
+ * surface:    committed.
+ * time:       of rays. Ignored for a surface that does not move. At a time step, vertices are on their lattice.
+ * format:     of the clusters.
+ * function:   NULL if only the statistics are needed.
+ * userPtr:    passed to the function.
+ * statistics: totals over the clusters that were passed, or NULL; structSize is read. Written on success, and if an
+ *             error ends the enumeration.
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_ARGUMENT for an unknown format.
  * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block, or if it has
  * more triangles than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
-    CbvhClusterFunction function, void* userPtr, struct CbvhClusterReport* report);
+    CbvhClusterFunction function, void* userPtr, struct CbvhClusterStatistics* statistics);
 
 #if defined(__cplusplus)
 }

@@ -20,7 +20,7 @@
  * The primIDs of hits number the primitives of all surfaces of the group consecutively. cbvhFindGroupPrimitive
  * returns the surface and the primitive of such a number.
  *
- * The API consists of cbvhNewGeometry, CbvhGeometryFlags and CbvhQueryContext. All other names in this header are
+ * The API consists of cbvhNewGeometry, CbvhGeometryFlags and CbvhFilterContext. All other names in this header are
  * internal and may change in any version. */
 
 #include "cbvh.h"
@@ -38,77 +38,80 @@ enum CbvhGeometryFlags
 {
   /* Calls the filter functions of the geometry, with Embree 3 also the filter functions of contexts. Each call has one
    * hit. */
-  CBVH_GEOMETRY_FILTERS = 1,
+  CBVH_GEOMETRY_FLAG_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
-  /* Calls the filter of a CbvhQueryContext, which must be the context of each query that may hit the geometry: Embree 4
-   * does not pass the filter of RTCIntersectArguments to user geometry. */
-  CBVH_GEOMETRY_CONTEXT_FILTERS = 2,
+  /* Calls the filter of a CbvhFilterContext, which must be the context of each query that may hit the geometry: Embree
+   * 4 does not pass the filter of RTCIntersectArguments to user geometry. */
+  CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS = 2,
 #endif
 };
 
 #if RTC_VERSION_MAJOR >= 4
-/* Query context with a filter function, see CBVH_GEOMETRY_CONTEXT_FILTERS. Pass the address of `context` to Embree. */
-struct CbvhQueryContext
+/* Query context with a filter function, see CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS. Pass the address of `context` to
+ * Embree. */
+struct CbvhFilterContext
 {
   struct RTCRayQueryContext context; /* call rtcInitRayQueryContext first */
   RTCFilterFunctionN filter;         /* called with one hit at a time. NULL: every hit counts */
 };
-typedef struct RTCRayQueryContext CbvhRTCContext;
+typedef struct RTCRayQueryContext CbvhInternalContext;
 #else
-typedef struct RTCIntersectContext CbvhRTCContext;
+typedef struct RTCIntersectContext CbvhInternalContext;
 #endif
 
 /* --- words of RTCRayN and RTCHitN ------------------------------------------------------------ */
 
-typedef unsigned int __attribute__((may_alias)) CbvhWord;
+typedef unsigned int __attribute__((may_alias)) CbvhInternalWord;
 
-enum CbvhWords
+enum CbvhInternalWords
 {
-  CBVH_RAY_DIR = 4, CBVH_RAY_TFAR = 8, CBVH_RAY_WORDS = 12,
+  CBVH_INTERNAL_RAY_DIR = 4, CBVH_INTERNAL_RAY_TFAR = 8, CBVH_INTERNAL_RAY_WORDS = 12,
   /* instIDs of all levels, followed by the primIDs of instances of all levels */
-  CBVH_HIT_PRIM_ID = 5, CBVH_HIT_GEOM_ID = 6, CBVH_HIT_INST_ID = 7
+  CBVH_INTERNAL_HIT_PRIM_ID = 5, CBVH_INTERNAL_HIT_GEOM_ID = 6, CBVH_INTERNAL_HIT_INST_ID = 7
 };
 
-static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, unsigned int i)
+static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, unsigned int word, unsigned int i)
 {
-  return (CbvhWord*)of + word*N + i;
+  return (CbvhInternalWord*)of + word*N + i;
 }
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
 /* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
-static inline void cbvhWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
-                                   const CbvhRTCContext* context)
+static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group,
+                                           unsigned int geomID, const CbvhInternalContext* context)
 {
-  const unsigned int surface = *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i);
+  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
   unsigned int level;
-  if (surface != 0) *cbvhWordOf(hits, N, CBVH_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
-  *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i) = geomID;
+  if (surface != 0)
+    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
+  *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i) = geomID;
   for (level = 0; level < RTC_MAX_INSTANCE_LEVEL_COUNT; level++) {
-    *cbvhWordOf(hits, N, CBVH_HIT_INST_ID + level, i) = context->instID[level];
+    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + level, i) = context->instID[level];
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-    *cbvhWordOf(hits, N, CBVH_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT + level, i) = context->instPrimID[level];
+    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT + level, i) =
+      context->instPrimID[level];
 #endif
   }
 }
 
 /* --- filters ----------------------------------------------------------------------------- */
 
-struct CbvhFilterCall
+struct CbvhInternalFilterCall
 {
   const void* args;    /* arguments of the callback */
   CbvhGroup group;
   unsigned int geomID;
-  CbvhRTCContext* context;
+  CbvhInternalContext* context;
   unsigned int flags;
   int isOcclusion;
 };
 
 /* Calls the application's filters for one hit at a time: IDs must be translated, and the application's RTCHit may be
  * larger. */
-static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
+static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args)
 {
-  const struct CbvhFilterCall* const call = (const struct CbvhFilterCall*)args->userPtr;
+  const struct CbvhInternalFilterCall* const call = (const struct CbvhInternalFilterCall*)args->userPtr;
   unsigned int i, word;
   for (i = 0; i < args->count; i++)
   {
@@ -117,18 +120,18 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
     struct RTCHit hit;
     int valid = -1;
     if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_RAY_WORDS; word++)
-      *cbvhWordOf(&ray, 1, word, 0) = *cbvhWordOf(args->rays, args->count, word, i);
-    for (word = 0; word < CBVH_HIT_INST_ID; word++)
-      *cbvhWordOf(&hit, 1, word, 0) = *cbvhWordOf(args->hits, args->count, word, i);
-    cbvhWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
+    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
+      *cbvhInternalWordOf(&ray, 1, word, 0) = *cbvhInternalWordOf(args->rays, args->count, word, i);
+    for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
+      *cbvhInternalWordOf(&hit, 1, word, 0) = *cbvhInternalWordOf(args->hits, args->count, word, i);
+    cbvhInternalWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
     filter.valid = &valid;
     filter.geometryUserPtr = call->group;
     filter.context = call->context;
     filter.ray = (struct RTCRayN*)&ray;
     filter.hit = (struct RTCHitN*)&hit;
     filter.N = 1;
-    if (call->flags & CBVH_GEOMETRY_FILTERS) {
+    if (call->flags & CBVH_GEOMETRY_FLAG_FILTERS) {
 #if RTC_VERSION_MAJOR >= 4
       if (call->isOcclusion)
         rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
@@ -140,8 +143,8 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
 #endif
     }
 #if RTC_VERSION_MAJOR >= 4
-    if (valid && (call->flags & CBVH_GEOMETRY_CONTEXT_FILTERS)) {
-      const struct CbvhQueryContext* const query = (const struct CbvhQueryContext*)call->context;
+    if (valid && (call->flags & CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)) {
+      const struct CbvhFilterContext* const query = (const struct CbvhFilterContext*)call->context;
       if (query->filter) query->filter(&filter);
     }
 #endif
@@ -151,30 +154,31 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
 
 /* --- callbacks of the geometry ------------------------------------------------------------ */
 
-/* Returns CBVH_QUERY_COHERENT if more than half of the rays of a packet are active and all of these have the same
+/* Returns CBVH_QUERY_FLAG_COHERENT if more than half of the rays of a packet are active and all of these have the same
  * signs of directions. */
-static inline unsigned int cbvhFlagsOfPacket(void* rays, unsigned int N, const int* valid)
+static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, const int* valid)
 {
   unsigned int axis, i, count = 0, negative[3] = {0, 0, 0};
   for (i = 0; i < N; i++) {
     if (valid[i] == 0) continue;
     count++;
-    for (axis = 0; axis < 3; axis++) negative[axis] += *cbvhWordOf(rays, N, CBVH_RAY_DIR + axis, i) >> 31;
+    for (axis = 0; axis < 3; axis++)
+      negative[axis] += *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_DIR + axis, i) >> 31;
   }
   if (2*count <= N) return 0;
   for (axis = 0; axis < 3; axis++)
     if (negative[axis] != 0 && negative[axis] != count) return 0;
-  return CBVH_QUERY_COHERENT;
+  return CBVH_QUERY_FLAG_COHERENT;
 }
 
-static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall* call, const void* args,
-                                  CbvhGroup group, unsigned int geomID, CbvhRTCContext* context,
-                                  unsigned int flags, int isOcclusion)
+static inline void cbvhInternalStartQuery(struct CbvhQuery* query, struct CbvhInternalFilterCall* call,
+                                          const void* args, CbvhGroup group, unsigned int geomID,
+                                          CbvhInternalContext* context, unsigned int flags, int isOcclusion)
 {
   query->structSize = sizeof(*query);
   query->flags = 0;
-  query->filter = flags ? cbvhFilterHits : NULL;
-  query->filterPtr = call;
+  query->filter = flags ? cbvhInternalFilterHits : NULL;
+  query->filterUserPtr = call;
   if (flags) {
     call->args = args;
     call->group = group;
@@ -184,61 +188,63 @@ static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall
     call->isOcclusion = isOcclusion;
   }
 #if RTC_VERSION_MAJOR < 4
-  if (context->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) query->flags = CBVH_QUERY_COHERENT;
+  if (context->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) query->flags = CBVH_QUERY_FLAG_COHERENT;
 #endif
 }
 
-static inline void cbvhIntersectGeometry(const struct RTCIntersectFunctionNArguments* args, unsigned int flags)
+static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArguments* args, unsigned int flags)
 {
   const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
   const unsigned int N = args->N;
-  CbvhWord* const rays = (CbvhWord*)args->rayhit;
-  CbvhWord* const hits = rays + CBVH_RAY_WORDS*N;
+  CbvhInternalWord* const rays = (CbvhInternalWord*)args->rayhit;
+  CbvhInternalWord* const hits = rays + CBVH_INTERNAL_RAY_WORDS*N;
   struct CbvhQuery query;
-  struct CbvhFilterCall call;
+  struct CbvhInternalFilterCall call;
   unsigned int i, word, found = 0;
-  cbvhStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 0);
+  cbvhInternalStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 0);
   if (N == 1) {
     if (args->valid[0] && cbvhIntersect1(group, (struct CbvhRayHit*)rays, &query))
-      cbvhWriteHitIDs(hits, 1, 0, group, args->geomID, args->context);
+      cbvhInternalWriteHitIDs(hits, 1, 0, group, args->geomID, args->context);
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
-    query.flags |= cbvhFlagsOfPacket(rays, N, args->valid);
+    query.flags |= cbvhInternalPacketFlags(rays, N, args->valid);
     if (N == 4) found = cbvhIntersect4(group, args->valid, rays, &query);
     else if (N == 8) found = cbvhIntersect8(group, args->valid, rays, &query);
     else found = cbvhIntersect16(group, args->valid, rays, &query);
     for (i = 0; i < N; i++)
-      if (found & (1u << i)) cbvhWriteHitIDs(hits, N, i, group, args->geomID, args->context);
+      if (found & (1u << i)) cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
     return;
   }
   for (i = 0; i < N; i++) {
     struct CbvhRayHit one;
     if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(&one.ray, 1, word, 0) = *cbvhWordOf(rays, N, word, i);
+    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
+      *cbvhInternalWordOf(&one.ray, 1, word, 0) = *cbvhInternalWordOf(rays, N, word, i);
     one.hit.geomID = one.hit.instID = RTC_INVALID_GEOMETRY_ID;
     if (!cbvhIntersect1(group, &one, &query)) continue;
-    *cbvhWordOf(rays, N, CBVH_RAY_TFAR, i) = *cbvhWordOf(&one.ray, 1, CBVH_RAY_TFAR, 0);
-    for (word = 0; word < CBVH_HIT_INST_ID; word++) *cbvhWordOf(hits, N, word, i) = *cbvhWordOf(&one.hit, 1, word, 0);
-    cbvhWriteHitIDs(hits, N, i, group, args->geomID, args->context);
+    *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) = *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR,
+    0); for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
+      *cbvhInternalWordOf(hits, N, word, i) = *cbvhInternalWordOf(&one.hit, 1, word, 0);
+    cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
   }
 }
 
-static inline void cbvhOccludedGeometry(const struct RTCOccludedFunctionNArguments* args, unsigned int flags)
+static inline void cbvhInternalOccluded(const struct RTCOccludedFunctionNArguments* args, unsigned int flags)
 {
   const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
   const unsigned int N = args->N;
-  CbvhWord* const rays = (CbvhWord*)args->ray;
+  CbvhInternalWord* const rays = (CbvhInternalWord*)args->ray;
   struct CbvhQuery query;
-  struct CbvhFilterCall call;
+  struct CbvhInternalFilterCall call;
   unsigned int i, word;
-  cbvhStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 1);
+  cbvhInternalStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 1);
   if (N == 1) {
     if (args->valid[0]) cbvhOccluded1(group, (struct CbvhRay*)rays, &query);
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
-    query.flags |= cbvhFlagsOfPacket(rays, N, args->valid);
+    query.flags |= cbvhInternalPacketFlags(rays, N, args->valid);
     if (N == 4) cbvhOccluded4(group, args->valid, rays, &query);
     else if (N == 8) cbvhOccluded8(group, args->valid, rays, &query);
     else cbvhOccluded16(group, args->valid, rays, &query);
@@ -247,54 +253,55 @@ static inline void cbvhOccludedGeometry(const struct RTCOccludedFunctionNArgumen
   for (i = 0; i < N; i++) {
     struct CbvhRay one;
     if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(&one, 1, word, 0) = *cbvhWordOf(rays, N, word, i);
+    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
+      *cbvhInternalWordOf(&one, 1, word, 0) = *cbvhInternalWordOf(rays, N, word, i);
     if (cbvhOccluded1(group, &one, &query))
-      *cbvhWordOf(rays, N, CBVH_RAY_TFAR, i) = *cbvhWordOf(&one, 1, CBVH_RAY_TFAR, 0);
+      *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) = *cbvhInternalWordOf(&one, 1, CBVH_INTERNAL_RAY_TFAR, 0);
   }
 }
 
-static inline void cbvhIntersectPlain(const struct RTCIntersectFunctionNArguments* args)
+static inline void cbvhInternalIntersectPlain(const struct RTCIntersectFunctionNArguments* args)
 {
-  cbvhIntersectGeometry(args, 0);
+  cbvhInternalIntersect(args, 0);
 }
 
-static inline void cbvhOccludedPlain(const struct RTCOccludedFunctionNArguments* args)
+static inline void cbvhInternalOccludedPlain(const struct RTCOccludedFunctionNArguments* args)
 {
-  cbvhOccludedGeometry(args, 0);
+  cbvhInternalOccluded(args, 0);
 }
 
-static inline void cbvhIntersectFiltered(const struct RTCIntersectFunctionNArguments* args)
+static inline void cbvhInternalIntersectFiltered(const struct RTCIntersectFunctionNArguments* args)
 {
-  cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS);
+  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS);
 }
 
-static inline void cbvhOccludedFiltered(const struct RTCOccludedFunctionNArguments* args)
+static inline void cbvhInternalOccludedFiltered(const struct RTCOccludedFunctionNArguments* args)
 {
-  cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS);
+  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS);
 }
 #if RTC_VERSION_MAJOR >= 4
-static inline void cbvhIntersectContext(const struct RTCIntersectFunctionNArguments* args)
+static inline void cbvhInternalIntersectContext(const struct RTCIntersectFunctionNArguments* args)
 {
-  cbvhIntersectGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS);
+  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhOccludedContext(const struct RTCOccludedFunctionNArguments* args)
+static inline void cbvhInternalOccludedContext(const struct RTCOccludedFunctionNArguments* args)
 {
-  cbvhOccludedGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS);
+  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhIntersectBoth(const struct RTCIntersectFunctionNArguments* args)
+static inline void cbvhInternalIntersectBoth(const struct RTCIntersectFunctionNArguments* args)
 {
-  cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS);
+  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhOccludedBoth(const struct RTCOccludedFunctionNArguments* args)
+static inline void cbvhInternalOccludedBoth(const struct RTCOccludedFunctionNArguments* args)
 {
-  cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS);
+  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 #endif
 
-static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* args)
+static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* args)
 {
   float lower[3], upper[3];
   cbvhGetGroupBounds((CbvhGroup)args->geometryUserPtr, lower, upper);
@@ -317,27 +324,33 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
   RTCGeometry geometry;
-  RTCIntersectFunctionN intersect = cbvhIntersectPlain;
-  RTCOccludedFunctionN occluded = cbvhOccludedPlain;
+  RTCIntersectFunctionN intersect = cbvhInternalIntersectPlain;
+  RTCOccludedFunctionN occluded = cbvhInternalOccludedPlain;
 #if RTC_VERSION_MAJOR >= 4
-  const unsigned int known = CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS;
+  const unsigned int known = CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS;
 #else
-  const unsigned int known = CBVH_GEOMETRY_FILTERS;
+  const unsigned int known = CBVH_GEOMETRY_FLAG_FILTERS;
 #endif
   if (cbvhCheckGeometry(group, flags, known) != CBVH_OK) return NULL;
   geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return NULL;
-  if (flags == CBVH_GEOMETRY_FILTERS) { intersect = cbvhIntersectFiltered; occluded = cbvhOccludedFiltered; }
+  if (flags == CBVH_GEOMETRY_FLAG_FILTERS) {
+    intersect = cbvhInternalIntersectFiltered;
+    occluded = cbvhInternalOccludedFiltered;
+  }
 #if RTC_VERSION_MAJOR >= 4
-  if (flags == CBVH_GEOMETRY_CONTEXT_FILTERS) { intersect = cbvhIntersectContext; occluded = cbvhOccludedContext; }
-  if (flags == (CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS)) {
-    intersect = cbvhIntersectBoth;
-    occluded = cbvhOccludedBoth;
+  if (flags == CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS) {
+    intersect = cbvhInternalIntersectContext;
+    occluded = cbvhInternalOccludedContext;
+  }
+  if (flags == (CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)) {
+    intersect = cbvhInternalIntersectBoth;
+    occluded = cbvhInternalOccludedBoth;
   }
 #endif
   rtcSetGeometryUserPrimitiveCount(geometry, 1);
   rtcSetGeometryUserData(geometry, group);
-  rtcSetGeometryBoundsFunction(geometry, cbvhBoundGeometry, NULL);
+  rtcSetGeometryBoundsFunction(geometry, cbvhInternalBounds, NULL);
   rtcSetGeometryIntersectFunction(geometry, intersect);
   rtcSetGeometryOccludedFunction(geometry, occluded);
   rtcCommitGeometry(geometry);

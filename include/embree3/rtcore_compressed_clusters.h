@@ -11,39 +11,44 @@
 
 RTC_NAMESPACE_BEGIN
 
-enum RTCClusterFormat
+enum RTCCompressedClusterFormat
 {
-  RTC_CLUSTER_FORMAT_FLOAT3 = 0,      /* x, y, z of each vertex as floats */
-  RTC_CLUSTER_FORMAT_COMPRESSED1 = 1, /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing),
-                                       * padded to a multiple of 4 bytes */
-  RTC_CLUSTER_FORMAT_DGF1 = 2         /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
+  /* x, y, z of each vertex as floats */
+  RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3 = 0,
+  /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing), padded to a multiple of 4 bytes */
+  RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1 = 1,
+  /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
+  RTC_COMPRESSED_CLUSTER_FORMAT_DGF1 = 2
 };
 
 /* Reason why a cluster stores floats instead of the requested format. */
-enum RTCClusterReason
+enum RTCCompressedClusterReason
 {
-  RTC_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  RTC_CLUSTER_REASON_RAW = 1,         /* the geometry stores these vertices with the precision of floats, which no
-                                       * lattice of the format represents: cGRID, and raw or lossless cVERT */
-  RTC_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
-                                       * belong to a moving mesh block */
-  RTC_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
-                                       * spacings wide, or the spacing is below 2^-126 or above 2^105 */
+  /* the cluster has the requested format */
+  RTC_COMPRESSED_CLUSTER_REASON_NONE = 0,
+  /* the geometry stores these vertices with the precision of floats, which no lattice of the format represents: cGRID,
+   * and raw or lossless cVERT */
+  RTC_COMPRESSED_CLUSTER_REASON_FLOATS = 1,
+  /* the vertices are interpolated between two time steps, not on a lattice, or belong to a moving mesh block */
+  RTC_COMPRESSED_CLUSTER_REASON_MOVING = 2,
+  /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16 spacings wide, or the spacing is
+   * below 2^-126 or above 2^105 */
+  RTC_COMPRESSED_CLUSTER_REASON_OUT_OF_RANGE = 3
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. Later versions may append
  * members. */
 struct RTCCompressedCluster
 {
-  enum RTCClusterFormat format;  /* of data: the requested format, or RTC_CLUSTER_FORMAT_FLOAT3 */
-  enum RTCClusterReason reason;
+  enum RTCCompressedClusterFormat format; /* of data: the requested format, or FLOAT3 */
+  enum RTCCompressedClusterReason reason;
   unsigned int numVertices, numTriangles;
   const void* data;              /* aligned to 4 bytes */
   size_t bytes;                  /* of data */
   const unsigned char* indices;  /* three vertices for each triangle; with DGF in the order in which a decoder emits
                                   * them */
-  const unsigned int* triangles; /* number in the part of each triangle: 2 ((width-1) y + x) for the first triangle of
-                                  * quad x, y, and 1 more for its second */
+  const unsigned int* triangleNumbers; /* number in the part of each triangle: 2 ((width-1) y + x) for the first
+                                        * triangle of quad x, y, and 1 more for its second */
   unsigned int firstTriangle;    /* number of triangles in all clusters before. With DGF the primitive indices of the
                                   * block start here */
   unsigned int width, height;    /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
@@ -52,16 +57,16 @@ struct RTCCompressedCluster
 };
 
 /* Totals over clusters. */
-struct RTCCompressedClusterReport
+struct RTCCompressedClusterStatistics
 {
-  size_t structSize RTC_SIZE_OF(RTCCompressedClusterReport); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedClusterStatistics); /* see rtcore_compression.h */
   size_t numClusters, numTriangles;
   size_t numVertices;       /* shared vertices count once for each cluster */
   size_t bytes;             /* of data */
   size_t indexBytes;        /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for DGF,
                              * whose blocks contain indices */
-  size_t numClustersOf[4];  /* by RTCClusterReason */
-  size_t numTrianglesOf[4]; /* by RTCClusterReason */
+  size_t numClustersByReason[4];  /* by RTCCompressedClusterReason */
+  size_t numTrianglesByReason[4]; /* by RTCCompressedClusterReason */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning false ends the enumeration. */
@@ -73,18 +78,18 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left out,
  * because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
  *
- * geometry: stored as cVERT or cGRID, as for rtcForEachCompressedPart.
- * time:     time of rays. Ignored for geometry that does not move. At a time step, vertices are on their lattice.
- * format:   of the clusters.
- * function: NULL if only the report is needed.
- * userPtr:  passed to the function.
- * report:   totals over the clusters that were passed, or NULL. structSize is read. Written unless the geometry is NULL
- *           or structSize is wrong.
+ * geometry:   stored as cVERT or cGRID, as for rtcForEachCompressedPart.
+ * time:       of rays. Ignored for geometry that does not move. At a time step, vertices are on their lattice.
+ * format:     of the clusters.
+ * function:   NULL if only the statistics are needed.
+ * userPtr:    passed to the function.
+ * statistics: totals over the clusters that were passed, or NULL. structSize is read. Written unless the geometry is
+ *             NULL or structSize is wrong.
  *
  * Errors: as rtcForEachCompressedPart. RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize.
  * RTC_ERROR_INVALID_OPERATION if the surface has more triangles than the 29-bit primitive indices of DGF can count.
  * Thread safety: as rtcInterpolate. */
-RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCClusterFormat format,
-    RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterReport* report);
+RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCCompressedClusterFormat format,
+    RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterStatistics* statistics);
 
 RTC_NAMESPACE_END

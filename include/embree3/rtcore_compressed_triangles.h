@@ -21,6 +21,7 @@ struct RTCCompressedTriangle
  *
  * geometry: stored as cVERT or cGRID. It was committed with its scene, or with RTC_COMPRESSION_FLAG_RELEASE_INPUT by
  *           its own commit.
+ * time:     of the ray. Ignored for geometry that does not move.
  * primID, u, v: of the hit.
  * Ng:       of the hit, 3 floats, in the geometry's space. It selects between triangles if (u,v) lies on their common
  *           edge. NULL selects any.
@@ -28,27 +29,14 @@ struct RTCCompressedTriangle
  *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Triangles of meshes have the vertex order of the
  *           primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
- * Returns true if (u,v) is on a triangle of the primitive. Returns false for an unknown primID, and where triangles
- * were left out. The first call after a commit builds an index with 16 bytes per block; for quad and triangle meshes it
- * has 4 more bytes per primitive.
+ * Returns true if (u,v) is on a triangle of the primitive. Returns false for an unknown primID, where triangles
+ * were left out, and outside of the time range of the geometry. The first call after a commit builds an index with 16
+ * bytes per block; for quad and triangle meshes it has 4 more bytes per primitive.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the geometry is not compressed, if any
  * part of it is stored as cLEAF or cVOXEL, which have no triangles, or is left to GRID, and if the file that it was
  * loaded from has a damaged block. Thread safety: as rtcInterpolate. */
-RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
-    struct RTCCompressedTriangle* triangle);
-
-/* Finds the triangle of a hit at the time of its ray. rtcGetCompressedTriangle uses the first time step of the
- * geometry. The vertices are those that a ray with this time hits.
- *
- * time: of the ray. Ignored for geometry that does not move.
- *
- * The other arguments are those of rtcGetCompressedTriangle.
- *
- * Returns false if the time is outside of the time range of the geometry, otherwise as rtcGetCompressedTriangle.
- *
- * Errors and thread safety: as rtcGetCompressedTriangle. */
-RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
+RTC_API bool rtcFindCompressedTriangle(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
     const float* Ng, struct RTCCompressedTriangle* triangle);
 
 /* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
@@ -74,24 +62,17 @@ struct RTCCompressedPart
 /* Called with a part, which is valid until the function returns. Returning false ends the enumeration. */
 typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompressedPart* part);
 
-/* Calls a function for all parts of a surface at the first time step, on the calling thread, in unspecified order. Each
- * part is decoded when it is passed: the function needs no memory for the whole surface.
+/* Calls a function for all parts of a surface at a time, on the calling thread, in unspecified order. Each part is
+ * decoded when it is passed: the function needs no memory for the whole surface. There are no parts outside of the time
+ * range of the geometry.
  *
- * geometry: as for rtcGetCompressedTriangle.
+ * geometry: as for rtcFindCompressedTriangle.
+ * time:     of rays. Ignored for geometry that does not move.
  * function: not NULL.
  * userPtr:  passed to the function.
  *
- * Errors: as for rtcGetCompressedTriangle. Thread safety: as rtcInterpolate. */
-RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr);
-
-/* Calls a function for all parts of a surface at a time. There are no parts outside of the time range of the geometry.
- *
- * time: of rays. Ignored for geometry that does not move.
- *
- * The other arguments are those of rtcForEachCompressedPart.
- *
- * Errors and thread safety: as rtcForEachCompressedPart. */
-RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
+ * Errors: as for rtcFindCompressedTriangle. Thread safety: as rtcInterpolate. */
+RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
     void* userPtr);
 
 RTC_NAMESPACE_END

@@ -65,9 +65,9 @@
 
 /* Default value of structSize in C++. C has none. */
 #if defined(__cplusplus)
-#  define RTC_SIZE_OF(type) = sizeof(type)
+#  define RTC_COMPRESSION_SIZE_OF(type) = sizeof(type)
 #else
-#  define RTC_SIZE_OF(type)
+#  define RTC_COMPRESSION_SIZE_OF(type)
 #endif
 
 RTC_NAMESPACE_BEGIN
@@ -127,7 +127,7 @@ enum RTCCompressionFlags
 /* Settings of one geometry. Call rtcInitCompressionArguments first. */
 struct RTCCompressionArguments
 {
-  size_t structSize RTC_SIZE_OF(RTCCompressionArguments);
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionArguments);
 
   enum RTCCompression compression;
 
@@ -210,7 +210,7 @@ RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCom
 /* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */
 struct RTCCompressionStatistics
 {
-  size_t structSize RTC_SIZE_OF(RTCCompressionStatistics);
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionStatistics);
   size_t topLevelBytes;         // full-precision BVH over blocks and grids
   size_t headerBytes;           // headers of all blocks: frame, IDs, parametrization
   size_t nodeBytes;             // compressed inner nodes

@@ -13,7 +13,7 @@ RTC_NAMESPACE_BEGIN
 /* A camera, and the size of quads in its picture. Call rtcInitDicingArguments first. */
 struct RTCDicingArguments
 {
-  size_t structSize RTC_SIZE_OF(RTCDicingArguments); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCDicingArguments); /* see rtcore_compression.h */
 
   /* The camera, in world space. For an orthographic camera, only pixelSize and the region of the picture matter. */
   float position[3];

@@ -41,7 +41,7 @@
  * - RTC_ERROR_UNKNOWN: a function of Vulkan failed for another reason, for example because the device was lost.
  *
  * Structs begin with structSize, see rtcore_compression.h. `unsigned int` members that begin with `is` or `has` are 0
- * or 1. The manual page of a function names the version since which the function is available.
+ * or 1, as VkBool32. The manual page of a function names the version since which the function is available.
  *
  * Cost: the first closest-hit and the first any-hit trace of a scene compile a shader, unless an earlier scene with the
  * same kinds of leaves and the same stackSize did. Compiled shaders are kept in the folder embree-cbvh of
@@ -64,10 +64,10 @@ typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
 /* Description of a Vulkan device. */
 struct RTCVulkanDeviceInfo
 {
-  size_t structSize RTC_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
   char name[256];           /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
   char driver[256];         /* name and version of the driver */
-  char unsupported[256];    /* features that the device lacks, or an error of its driver; empty if it is supported */
+  char unsupportedReason[256]; /* features that the device lacks, or an error of its driver; empty if it is supported */
   unsigned int isDiscrete;  /* 1 if the device has its own memory */
   unsigned int hasFloat64;  /* 1 if it has shaderFloat64 */
   size_t memoryBytes;       /* size of the largest heap of the device's memory */
@@ -83,26 +83,26 @@ struct RTCVulkanDeviceInfo
  * Returns the number of devices, which may exceed `capacity`. Returns 0 also on errors.
  *
  * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader or no driver. RTC_ERROR_INVALID_ARGUMENT for a wrong
- * structSize. An unsupported device is no error, see RTCVulkanDeviceInfo::unsupported. */
+ * structSize. An unsupported device is no error, see RTCVulkanDeviceInfo::unsupportedReason. */
 RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
 
 /* Opens a Vulkan device.
  *
- * device: retained; receives errors. May be NULL.
- * which:  an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia"; case is ignored). NULL or
- *         "" selects the first supported device, discrete devices first.
+ * device:   retained; receives errors. May be NULL.
+ * selector: an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia"; case is ignored). NULL or
+ *           "" selects the first supported device, discrete devices first.
  *
  * Returns the device, to be released by rtcReleaseVulkanDevice, or NULL.
  *
  * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader, no driver or no device, or if all devices that fit lack a
  * feature. RTC_ERROR_INVALID_ARGUMENT if no device has this index or name. */
-RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which);
+RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* selector);
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
  * The application owns them and keeps them valid while the RTCVulkanDevice exists. */
 struct RTCVulkanHandles
 {
-  size_t structSize RTC_SIZE_OF(RTCVulkanHandles); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanHandles); /* see rtcore_compression.h */
   PFN_vkGetInstanceProcAddr getInstanceProcAddr;
   VkInstance instance;              /* created for Vulkan 1.2 or later */
   VkPhysicalDevice physicalDevice;
@@ -165,10 +165,10 @@ enum RTCVulkanTraversal
 
 struct RTCVulkanSceneArguments
 {
-  size_t structSize RTC_SIZE_OF(RTCVulkanSceneArguments); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneArguments); /* see rtcore_compression.h */
   enum RTCVulkanMemory memory;
   enum RTCVulkanTraversal traversal;
-  RTCVulkanScene previous;      /* for ray queries: a scene from before an edit, or NULL. If a geometry has new blocks,
+  RTCVulkanScene previousScene; /* for ray queries: a scene from before an edit, or NULL. If a geometry has new blocks,
                                  * but the same number of them, the driver updates the structure of the previous scene.
                                  * This is faster than a build; rays become slower the farther the geometry has moved.
                                  * Of the same device, also for ray queries. Read during the call only */
@@ -226,9 +226,8 @@ RTC_API unsigned int rtcGetVulkanSceneLeafKinds (RTCVulkanScene scene);
  * instances: array of `capacity` entries, or NULL.
  *
  * Returns the number of instances, which may exceed `capacity`. The mask of an instance is 0xFF, and its custom index
- * is
- * read by cbvhIntersectCandidate: the application must not change it. Its transform is the transform of the instance in
- * the scene; the application may multiply it from the left by a transform of its own. The structures that instances
+ * is read by cbvhIntersectCandidate: the application must not change it. Its transform is the transform of the instance
+ * in the scene; the application may multiply it from the left by a transform of its own. The structures that instances
  * refer to live as long as the scene.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the scene was not created for ray
@@ -239,7 +238,7 @@ RTC_API unsigned int rtcGetVulkanSceneInstances (RTCVulkanScene scene, VkAcceler
 /* Memory of a scene on its device, and its size. */
 struct RTCVulkanSceneStatistics
 {
-  size_t structSize RTC_SIZE_OF(RTCVulkanSceneStatistics); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneStatistics); /* see rtcore_compression.h */
   size_t deviceBytes;       /* total memory on the device, including memory that scenes share */
   size_t importedBytes;     /* host memory that the device reads in place */
   size_t topLevelBytes;     /* tree above the blocks, and addresses of blocks */
@@ -303,17 +302,17 @@ RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuff
 /* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
-RTC_API void rtcSetVulkanSceneRaySort (RTCVulkanScene scene, bool enabled);
+RTC_API void rtcSetVulkanSceneRaySorting (RTCVulkanScene scene, bool enabled);
 
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
 /* Durations of a trace. All are 0 if the device has no clock. */
 struct RTCVulkanTimes
 {
-  size_t structSize RTC_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
   double traceSeconds;     /* tracing on the device, without copies */
   double copySeconds;      /* copies of rays and hits on the device */
-  double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySort */
+  double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySorting */
 };
 
 /* Start tracing an array of `count` rays in host memory, and return before they are traced.

@@ -105,7 +105,7 @@ CbvhError cbvhCommitGroup(CbvhGroup group)
   return guarded(group->context.get(), [&] { group->commit(); });
 }
 
-size_t cbvhGetGroupSize(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
+size_t cbvhGetGroupSurfaceCount(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
 CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) {
   return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr;
 }
@@ -160,7 +160,7 @@ void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
   if (upper) std::copy(u, u + 3, upper);
 }
 
-CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
+CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhGroupStatistics* statistics)
 {
   if (!group || !statistics) return rejectArgument("group or statistics are NULL");
   return guarded(group->context.get(), [&] {

@@ -20,7 +20,7 @@ struct CbvhGroupTy : embree::beside::RefCounted
   std::vector<embree::beside::RefPtr<CbvhSurfaceTy>> surfaces;
   // index of each surface's first primitive in the group, then the count of all primitives; zeros before a commit
   std::vector<size_t> firstPrimitive;
-  CbvhStatistics statistics = CbvhStatistics(); // of the last commit
+  CbvhGroupStatistics statistics = CbvhGroupStatistics(); // of the last commit
   bool isCommitted = false;
   void* userPtr = nullptr;
 

@@ -23,14 +23,14 @@ struct QueryContext
   {
     rtcInitIntersectContext(&rtcContext);
     if (!query) return;
-    if (query->flags & CBVH_QUERY_COHERENT) rtcContext.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (query->flags & CBVH_QUERY_FLAG_COHERENT) rtcContext.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     if (query->filter) rtcContext.filter = filter;
   }
 
   static void filter(const RTCFilterFunctionNArguments* args)
   {
     const CbvhQuery& query = *((const QueryContext*)args->context)->query;
-    const CbvhFilterArguments cbvhArgs = {args->valid, query.filterPtr, args->ray, args->hit, args->N};
+    const CbvhFilterArguments cbvhArgs = {args->valid, query.filterUserPtr, args->ray, args->hit, args->N};
     query.filter(&cbvhArgs);
   }
 };

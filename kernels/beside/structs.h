@@ -20,19 +20,19 @@ namespace core {
 CBVH_EXTENSIBLE_STRUCT(CbvhCage, attributes);
 CBVH_EXTENSIBLE_STRUCT(CbvhGrids, vertices);
 CBVH_EXTENSIBLE_STRUCT(CbvhMesh, vertices);
-CBVH_EXTENSIBLE_STRUCT(CbvhDicing, maxRates);
+CBVH_EXTENSIBLE_STRUCT(CbvhDicingArguments, maxRates);
 CBVH_EXTENSIBLE_STRUCT(CbvhAccuracy, pixelSize);
-CBVH_EXTENSIBLE_STRUCT(CbvhInterpolation, dPdv);
-CBVH_EXTENSIBLE_STRUCT(CbvhStatistics, maxVertexDeviation);
-CBVH_EXTENSIBLE_STRUCT(CbvhQuery, filterPtr);
-CBVH_EXTENSIBLE_STRUCT(CbvhClusterReport, numTrianglesOf);
+CBVH_EXTENSIBLE_STRUCT(CbvhInterpolationPoints, dPdv);
+CBVH_EXTENSIBLE_STRUCT(CbvhGroupStatistics, maxVertexDeviation);
+CBVH_EXTENSIBLE_STRUCT(CbvhQuery, filterUserPtr);
+CBVH_EXTENSIBLE_STRUCT(CbvhClusterStatistics, numTrianglesByReason);
 
 } // namespace core
 
 namespace beside {
 
 /* Zeros select defaults. */
-inline DicingCamera cameraOf(const CbvhDicing& dicing)
+inline DicingCamera cameraOf(const CbvhDicingArguments& dicing)
 {
   const DicingCamera defaults;
   DicingCamera camera = dicingCamera(dicing);
@@ -57,8 +57,8 @@ inline CbvhPart toPublic(const cbvh::StoredPart& part)
 
 static_assert(CBVH_CLUSTER_FORMAT_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
     && CBVH_CLUSTER_FORMAT_DGF1 == int(cbvh::ClusterFormat::DGF1), "values of CbvhClusterFormat");
-static_assert(CBVH_CLUSTER_REASON_RAW == int(cbvh::ClusterReason::RAW)
+static_assert(CBVH_CLUSTER_REASON_FLOATS == int(cbvh::ClusterReason::FLOATS)
     && CBVH_CLUSTER_REASON_MOVING == int(cbvh::ClusterReason::MOVING)
-    && CBVH_CLUSTER_REASON_OUT_OF_RANGE == int(cbvh::ClusterReason::RANGE), "values of CbvhClusterReason");
+    && CBVH_CLUSTER_REASON_OUT_OF_RANGE == int(cbvh::ClusterReason::OUT_OF_RANGE), "values of CbvhClusterReason");
 
 }} // namespace embree::beside

@@ -41,9 +41,9 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const Input& input = *(const Input*)args->geometryUserPtr;
-  const CbvhDisplacementArguments publicArgs = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
-                                                args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z,
-                                                args->N};
+  const CbvhDisplacementArguments publicArgs = {input.displacementUserPtr, args->primID, args->timeStep, args->u,
+                                                args->v, args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y,
+                                                args->P_z, args->N};
   const ErrorScope errors(false);
   input.displacement(&publicArgs);
 }
@@ -145,9 +145,10 @@ void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertic
   require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "invalid number of time steps: expected 1 to 129");
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   if (vertices.numSteps > 1) {
-    require(std::isfinite(vertices.begin) && std::isfinite(vertices.end) && vertices.begin < vertices.end,
-      "invalid time range: expected finite times and begin < end");
-    rtcSetGeometryTimeRange(geometry, vertices.begin, vertices.end);
+    require(std::isfinite(vertices.startTime) && std::isfinite(vertices.endTime)
+        && vertices.startTime < vertices.endTime,
+      "invalid time range: expected finite times and startTime < endTime");
+    rtcSetGeometryTimeRange(geometry, vertices.startTime, vertices.endTime);
   }
   for (unsigned int i = 0; i < vertices.numSteps; i++) {
     require(vertices.steps[i] != nullptr, "the vertices of a time step are NULL");
@@ -201,7 +202,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   rtcSetGeometrySubdivisionMode(geometry, 0, modeOf(cage.boundary));
   if (cage.displacement) {
     input->displacement = cage.displacement;
-    input->displacementPtr = cage.displacementPtr;
+    input->displacementUserPtr = cage.displacementUserPtr;
     rtcSetGeometryUserData(geometry, input.get());
     rtcSetGeometryDisplacementFunction(geometry, displace);
   }
@@ -237,13 +238,13 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
 void CbvhSurfaceTy::set(const CbvhGrids& grids)
 {
   const ChangeScope change(*this);
-  require(grids.count > 0 && grids.grids, "there are no grids");
-  require(grids.count < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
+  require(grids.numGrids > 0 && grids.grids, "there are no grids");
+  require(grids.numGrids < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
   InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
   static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
-  input->numPrimitives = unsigned(grids.count);
+  input->numPrimitives = unsigned(grids.numGrids);
   setVertices(input->geometry, grids.vertices, false);
-  copyTo(input->geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids, grids.count);
+  copyTo(input->geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids, grids.numGrids);
   setPending(std::move(input));
 }
 
@@ -251,15 +252,15 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
   const ChangeScope change(*this);
   require(mesh.verticesPerFace == 3 || mesh.verticesPerFace == 4, "invalid verticesPerFace of a mesh: expected 3 or 4");
-  require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
-  require(mesh.count < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
+  require(mesh.numFaces > 0 && mesh.indices, "the mesh has no indices");
+  require(mesh.numFaces < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
   const bool hasQuads = mesh.verticesPerFace == 4;
   InputPtr input(new Input(context->device, hasQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
-  input->numPrimitives = unsigned(mesh.count);
+  input->numPrimitives = unsigned(mesh.numFaces);
   input->isMesh = true;
   setVertices(input->geometry, mesh.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, hasQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
-    4*mesh.verticesPerFace, 4*mesh.verticesPerFace, mesh.count);
+    4*mesh.verticesPerFace, 4*mesh.verticesPerFace, mesh.numFaces);
   setPending(std::move(input));
 }
 
@@ -274,12 +275,12 @@ struct ScopedFlag
 
 } // namespace
 
-void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
+void CbvhSurfaceTy::dice(const CbvhDicingArguments& dicing, float* rates)
 {
   const ChangeScope change(*this);
   if (!pending || !pending->numEdges)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
-      "there is no cage to dice: call cbvhSetCage first, also after a commit"};
+      "there is no cage to dice: call cbvhSetSurfaceCage first, also after a commit"};
   const ScopedFlag scope(isPendingInUse);
   rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
@@ -446,33 +447,34 @@ CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const
 
 } // namespace
 
-CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage)
+CbvhError cbvhSetSurfaceCage(CbvhSurface surface, const CbvhCage* cage)
 {
   return withStruct(surface, cage, "cage", [&](const CbvhCage& converted) { surface->set(converted); });
 }
 
-CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids)
+CbvhError cbvhSetSurfaceGrids(CbvhSurface surface, const CbvhGrids* grids)
 {
   return withStruct(surface, grids, "grids", [&](const CbvhGrids& converted) { surface->set(converted); });
 }
 
-CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh)
+CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const CbvhMesh* mesh)
 {
   return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& converted) { surface->set(converted); });
 }
 
 
-CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates)
+CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicingArguments* dicing, float* rates)
 {
-  return withStruct(surface, dicing, "dicing", [&](const CbvhDicing& converted) { surface->dice(converted, rates); });
+  return withStruct(surface, dicing, "dicing",
+    [&](const CbvhDicingArguments& converted) { surface->dice(converted, rates); });
 }
 
-CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
+CbvhError cbvhSetSurfaceAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
 {
   return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(accuracy) : CbvhAccuracy()); });
 }
 
-CbvhError cbvhSetLossless(CbvhSurface surface, int lossless)
+CbvhError cbvhSetSurfaceLossless(CbvhSurface surface, int lossless)
 {
   return onSurface(surface, [&] { surface->setLossless(lossless != 0); });
 }
@@ -510,8 +512,8 @@ unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) {
   return surface && surface->latestInput() ? surface->latestInput()->numPrimitives : 0;
 }
 
-CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P,
-  float* dPdu, float* dPdv)
+CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute,
+  float* P, float* dPdu, float* dPdv)
 {
   return onSurface(surface, [&] {
     const std::shared_ptr<const Input> input = surface->interpolationInput();
@@ -524,9 +526,9 @@ CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, flo
   });
 }
 
-CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* interpolation)
+CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface, const CbvhInterpolationPoints* interpolation)
 {
-  return withStruct(surface, interpolation, "points", [&](const CbvhInterpolation& points) {
+  return withStruct(surface, interpolation, "points", [&](const CbvhInterpolationPoints& points) {
     require(points.count == 0 || (points.u && points.v), "u or v is NULL");
     const std::shared_ptr<const Input> input = surface->interpolationInput();
     require(points.attribute < input->widths.size(),
@@ -541,7 +543,7 @@ CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* in
   });
 }
 
-int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
+int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
   CbvhTriangle* triangle)
 {
   bool isFound = false;
@@ -568,13 +570,15 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
 }
 
 CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function,
-  void* userPtr, CbvhClusterReport* report)
+  void* userPtr, CbvhClusterStatistics* statistics)
 {
   return onSurface(surface, [&] {
-    if (report) core::requireStruct(report);
+    if (statistics) core::requireStruct(statistics);
     const std::shared_ptr<const Input> input = surface->committedInput();
-    embree::cbvh::ClusterReport sums;
-    const auto finish = [&] { if (report) core::writeStruct(report, embree::cbvh::reportAs<CbvhClusterReport>(sums)); };
+    embree::cbvh::ClusterStatistics sums;
+    const auto finish = [&] {
+      if (statistics) core::writeStruct(statistics, embree::cbvh::statisticsAs<CbvhClusterStatistics>(sums));
+    };
     try {
       core::forEachCluster(input->embreeGeometry(), time, embree::cbvh::ClusterFormat(format),
           [&](const embree::cbvh::StoredCluster& cluster) {

@@ -25,7 +25,7 @@ struct Input
   bool isMesh = false;
   size_t numEdges = 0;                // one per index of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
-  void* displacementPtr = nullptr;
+  void* displacementUserPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute
   // of a cage with attributes: pairs of face and number of corners, for faces without 4 corners, sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
@@ -56,7 +56,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
   void set(const CbvhMesh& mesh);
 
   /* Sets the edge rates of the pending cage for a camera. rates: receives them, one per index; may be NULL. */
-  void dice(const CbvhDicing& dicing, float* rates);
+  void dice(const CbvhDicingArguments& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
   void setLossless(bool lossless);
   void setMask(unsigned int mask);

@@ -49,7 +49,7 @@ FUNCTIONS_OF_FIRST_VERSION = frozenset(
     rtcNewVulkanDevice rtcNewVulkanDeviceFromHandles rtcNewVulkanScene rtcRecordVulkanIntersect
     rtcRecordVulkanIntersectInOrder rtcRecordVulkanOccluded rtcRecordVulkanOccludedInOrder
     rtcRecordVulkanRayOrder rtcReleaseVulkanDevice rtcReleaseVulkanScene rtcRetainVulkanDevice
-    rtcRetainVulkanScene rtcSetGeometryCompression rtcSetVulkanSceneRaySort rtcStartVulkanIntersect
+    rtcRetainVulkanScene rtcSetGeometryCompression rtcSetVulkanSceneRaySorting rtcStartVulkanIntersect
     rtcStartVulkanOccluded rtcWaitVulkanTrace
     """.split()
 )

@@ -140,7 +140,7 @@ struct CageInput
     cage.holes = holes.data();
     if (settings.displacement) {
       cage.displacement = displace;
-      cage.displacementPtr = settings.displacement;
+      cage.displacementUserPtr = settings.displacement;
     }
   }
 };
@@ -198,7 +198,7 @@ TEST(Beside, ClustersMatchOurEmbree)
   const Cage cage = cubeCage();
   CageInput input(cage, settings);
   Surface surface(context);
-  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr),
     CBVH_ERROR_INVALID_OPERATION)
     << "not committed";
@@ -211,8 +211,8 @@ TEST(Beside, ClustersMatchOurEmbree)
   for (int format = 0; format < 3; format++)
     for (float time : {0.0f, 0.25f, 1.0f}) {
       Clusters ours, theirs;
-      CbvhClusterReport report;
-      RTCCompressedClusterReport expected;
+      CbvhClusterStatistics report;
+      RTCCompressedClusterStatistics expected;
       ASSERT_EQ(cbvhForEachCluster(
                   surface, time, CbvhClusterFormat(format),
                   [](void* self, const CbvhCluster* cluster) {
@@ -222,7 +222,7 @@ TEST(Beside, ClustersMatchOurEmbree)
                   &ours, &report),
                 CBVH_OK);
       rtcForEachCompressedCluster(
-        geometry, time, RTCClusterFormat(format),
+        geometry, time, RTCCompressedClusterFormat(format),
         [](void* self, const RTCCompressedCluster* cluster) {
           Clusters::add(self, cluster);
           return true;
@@ -264,7 +264,7 @@ TEST(Beside, CageHitsMatchOurEmbree)
       const Surface surface(context);
       {
         auto input = std::make_unique<CageInput>(cage, settings);
-        ASSERT_EQ(cbvhSetCage(surface, &input->cage), CBVH_OK) << cbvhGetErrorText();
+        ASSERT_EQ(cbvhSetSurfaceCage(surface, &input->cage), CBVH_OK) << cbvhGetErrorText();
         input.reset();
       }
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
@@ -272,7 +272,7 @@ TEST(Beside, CageHitsMatchOurEmbree)
       const Group group(context, {surface});
       EXPECT_EQ(group.committed, CBVH_OK);
       ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 1500)));
-      CbvhStatistics statistics;
+      CbvhGroupStatistics statistics;
       ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
       EXPECT_EQ(statistics.numQuads, statisticsOf(scene).numQuads);
       EXPECT_EQ(statistics.numMovingQuads, timeSteps > 1 ? statistics.numQuads : 0);
@@ -306,7 +306,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
       std::vector<CbvhGrid> grids;
       for (const RTCGrid& g : diced.grids) grids.push_back({g.startVertexID, g.stride, g.width, g.height});
       const CbvhGrids input = {sizeof(CbvhGrids), grids.size(), grids.data(), steps->get()};
-      ASSERT_EQ(cbvhSetGrids(surface, &input), CBVH_OK);
+      ASSERT_EQ(cbvhSetSurfaceGrids(surface, &input), CBVH_OK);
       grids.clear();
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();
@@ -319,7 +319,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
       auto steps = std::make_unique<Steps>(mesh.vertices, motion, timeSteps);
       const unsigned* const indices = mesh.isTriangleForm() ? mesh.triangles[0].data() : mesh.quads[0].data();
       const CbvhMesh input = {sizeof(CbvhMesh), mesh.isTriangleForm() ? 3u : 4u, mesh.size(), indices, steps->get()};
-      ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
+      ASSERT_EQ(cbvhSetSurfaceMesh(surface, &input), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();
       ASSERT_NO_FATAL_FAILURE(compare(newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps), surface, rays));
@@ -327,7 +327,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
   }
 }
 
-// No vertex moves. Without cbvhSetLossless, surfaces use the default precision again.
+// No vertex moves. Without cbvhSetSurfaceLossless, surfaces use the default precision again.
 TEST(Beside, LosslessHitsMatchOurEmbree)
 {
   Random random(95);
@@ -347,13 +347,13 @@ TEST(Beside, LosslessHitsMatchOurEmbree)
       SCOPED_TRACE(testing::Message() << (isCage ? "a cage, " : "grids, ") << timeSteps << " time steps");
       const Surface surface(context);
       for (int lossless : {1, 0}) {
-        ASSERT_EQ(isCage ? cbvhSetCage(surface, &cage.cage) : cbvhSetGrids(surface, &ofGrids), CBVH_OK)
+        ASSERT_EQ(isCage ? cbvhSetSurfaceCage(surface, &cage.cage) : cbvhSetSurfaceGrids(surface, &ofGrids), CBVH_OK)
             << cbvhGetErrorText();
-        ASSERT_EQ(cbvhSetLossless(surface, lossless), CBVH_OK);
+        ASSERT_EQ(cbvhSetSurfaceLossless(surface, lossless), CBVH_OK);
         ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
         const Group group(context, {surface});
         EXPECT_EQ(group.committed, CBVH_OK);
-        CbvhStatistics statistics;
+        CbvhGroupStatistics statistics;
         ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
         EXPECT_EQ(statistics.maxVertexDeviation == 0, lossless == 1);
         const RTCDevice of = lossless ? exact : device;
@@ -422,7 +422,7 @@ TEST(Beside, CagesAreDicedByTheView)
       CageInput input(c.cage, settingsOf(displacement, steps, 4));
       RTCDicingArguments args;
       rtcInitDicingArguments(&args);
-      CbvhDicing dicing = CbvhDicing();
+      CbvhDicingArguments dicing = CbvhDicingArguments();
       const float position[3] = {0.3f, 0.2f, 2}, ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0};
       std::copy_n(position, 3, args.position);
       std::copy_n(position, 3, dicing.position);
@@ -442,13 +442,13 @@ TEST(Beside, CagesAreDicedByTheView)
 
       const Surface surface(context), given(context);
       std::vector<float> rates(expected.size());
-      ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+      ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
       ASSERT_EQ(cbvhDiceSurface(surface, &dicing, rates.data()), CBVH_OK) << cbvhGetErrorText();
       EXPECT_EQ(rates, expected);
       EXPECT_LT(*std::min_element(rates.begin(), rates.end()), *std::max_element(rates.begin(), rates.end()));
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       input.cage.rates = expected.data();
-      ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
+      ASSERT_EQ(cbvhSetSurfaceCage(given, &input.cage), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK);
       const Folder folder;
       ASSERT_EQ(cbvhSaveSurface(surface, (folder/"diced").c_str()), CBVH_OK);
@@ -458,7 +458,7 @@ TEST(Beside, CagesAreDicedByTheView)
       dicing.pixelSize = 0;
       // the cage has been released
       context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice");
-      ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
+      ASSERT_EQ(cbvhSetSurfaceCage(given, &input.cage), CBVH_OK);
       context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "pixelSize");
       context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "dicing is NULL");
       ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a rejected view changes nothing";
@@ -481,7 +481,7 @@ TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion)
   for (unsigned n : {1u, 2u}) {
     const Steps steps(vertices, nullptr, n);
     const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
-    ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
+    ASSERT_EQ(cbvhSetSurfaceMesh(surface, &input), CBVH_OK);
     ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   }
 }
@@ -496,7 +496,7 @@ TEST(Beside, InvalidInputIsReportedByName)
     SCOPED_TRACE(text);
     CageInput input(cubeCage(), settingsOf(displacement, 2, 4));
     modify(input.cage);
-    context.expect(cbvhSetCage(surface, &input.cage), CBVH_ERROR_INVALID_ARGUMENT, text);
+    context.expect(cbvhSetSurfaceCage(surface, &input.cage), CBVH_ERROR_INVALID_ARGUMENT, text);
   };
   const std::vector<const float*> none(2, nullptr);
   expectInvalid("no faces", [](CbvhCage& c) { c.numFaces = 0; });
@@ -508,7 +508,7 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("rate", [&](CbvhCage& c) { c.rates = rates.data(); });
   expectInvalid("stride", [](CbvhCage& c) { c.vertices.stride = 10; });
   expectInvalid("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
-  expectInvalid("time range", [](CbvhCage& c) { c.vertices.end = c.vertices.begin; });
+  expectInvalid("time range", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
   expectInvalid("NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
   expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.count = 0; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
@@ -516,16 +516,16 @@ TEST(Beside, InvalidInputIsReportedByName)
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
   expectInvalid("past its values", [&](CbvhCage& c) { c.numAttributes = 1; c.attributes = &attribute; });
-  context.expect(cbvhSetCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
+  context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
-  context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
+  context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
   const auto refuseAccuracy = [&](const char* name, const std::function<void(CbvhAccuracy&)>& change) {
     CbvhAccuracy accuracy = CbvhAccuracy();
     accuracy.maxPixelError = 0.5f;
     accuracy.pixelSize = 0.001f;
-    EXPECT_EQ(cbvhSetAccuracy(surface, &accuracy), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_OK) << cbvhGetErrorText();
     change(accuracy);
-    context.expect(cbvhSetAccuracy(surface, &accuracy), CBVH_ERROR_INVALID_ARGUMENT, name);
+    context.expect(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_ERROR_INVALID_ARGUMENT, name);
   };
   for (float wrong : {NAN, INFINITY, -1.0f}) {
     refuseAccuracy("maxError", [=](CbvhAccuracy& a) { a.maxError = wrong; });
@@ -535,8 +535,8 @@ TEST(Beside, InvalidInputIsReportedByName)
   refuseAccuracy("pixelSize", [](CbvhAccuracy& a) { a.pixelSize = 0; });
   for (int k = 0; k < 3; k++) refuseAccuracy("cameraPosition", [=](CbvhAccuracy& a) { a.cameraPosition[k] = NAN; });
   const CbvhAccuracy unused = {sizeof(CbvhAccuracy), 0, 0, {0, 0, 0}, -1};
-  EXPECT_EQ(cbvhSetAccuracy(surface, &unused), CBVH_OK) << "without maxPixelError there is no camera";
-  EXPECT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
+  EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, &unused), CBVH_OK) << "without maxPixelError there is no camera";
+  EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, nullptr), CBVH_OK);
 
   EXPECT_EQ(cbvhNewSurface(nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);
@@ -566,7 +566,7 @@ TEST(Beside, NonFiniteDisplacementIsReported)
   const SurfaceScene scene(device, cubeCage(), settings);
   const Surface surface(context);
   const CageInput input(cubeCage(), settings);
-  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const Group group(context, {surface});
   context.expect(group.committed, CBVH_ERROR_INVALID_ARGUMENT, "geometry 0, face 2");
@@ -582,7 +582,7 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled)
   const SurfaceSettings settings = settingsOf(displacement, 1, 200);
   const CageInput input(sheetCage(8), settings);
   const Surface surface(context);
-  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   struct Reported { std::atomic<unsigned> calls{0}; unsigned most; } reported;
   const auto progress = [](void* self, double done) {
     Reported& reported = *(Reported*)self;
@@ -620,22 +620,23 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
       {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
     input.cage.numAttributes = 2;
     input.cage.attributes = attributes;
-    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
   }
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   for (unsigned face = 0; face < 6; face++) {
     float uv[2], dPdu[2], dPdv[2], value = -1;
-    ASSERT_EQ(cbvhInterpolate(surface, face, 0.25f, 0.75f, 1, uv, dPdu, dPdv), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhInterpolateAttribute(surface, face, 0.25f, 0.75f, 1, uv, dPdu, dPdv), CBVH_OK) << cbvhGetErrorText();
     EXPECT_NEAR(uv[0], 0.25f, 1e-5f);
     EXPECT_NEAR(uv[1], 0.75f, 1e-5f);
     EXPECT_NEAR(dPdu[0], 1, 1e-4f);
     EXPECT_NEAR(dPdv[1], 1, 1e-4f);
-    ASSERT_EQ(cbvhInterpolate(surface, face, 0.5f, 0.5f, 0, &value, nullptr, nullptr), CBVH_OK);
+    ASSERT_EQ(cbvhInterpolateAttribute(surface, face, 0.5f, 0.5f, 0, &value, nullptr, nullptr), CBVH_OK);
     EXPECT_TRUE(value >= 0 && value <= 49);
   }
-  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
+  context.expect(cbvhInterpolateAttribute(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
                  "attribute");
-  context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
+  context.expect(cbvhInterpolateAttribute(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
+                 "face");
 }
 
 // Limits of the faces at a vertex, of the cage or of an attribute's topology.
@@ -656,11 +657,11 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
     CageInput input(cage, settingsOf(displacement, 1, 4));
     input.cage.numAttributes = 1;
     input.cage.attributes = &attribute;
-    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
     ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     float value = -1;
     const float u = 0.25f, v = 0.5f;
-    CbvhInterpolation points = CbvhInterpolation();
+    CbvhInterpolationPoints points = CbvhInterpolationPoints();
     points.count = 1;
     points.u = &u;
     points.v = &v;
@@ -668,13 +669,13 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
     for (unsigned face : {0u, 7u, 129u}) {
       points.primID = face;
       const char* const why = "cannot be interpolated";
-      const CbvhError error = cbvhInterpolate(surface, face, u, v, 0, &value, nullptr, nullptr);
+      const CbvhError error = cbvhInterpolateAttribute(surface, face, u, v, 0, &value, nullptr, nullptr);
       context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, why);
-      context.expect(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, why);
+      context.expect(cbvhInterpolateAttributeAtPoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, why);
       EXPECT_EQ(value, -1) << "face " << face;
     }
     if (!isOwn) continue;
-    ASSERT_EQ(cbvhInterpolate(surface, 140, u, v, 0, &value, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhInterpolateAttribute(surface, 140, u, v, 0, &value, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     EXPECT_NEAR(value, 2, 1e-5f);
   }
 }
@@ -687,7 +688,7 @@ TEST(Beside, TrianglesAreReported)
   const SurfaceSettings settings = settingsOf(displacement, 2, 16);
   const Surface surface(context);
   const CageInput input(cubeCage(), settings);
-  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const Group group(context, {surface});
   size_t hits = 0;
@@ -697,7 +698,7 @@ TEST(Beside, TrianglesAreReported)
     if (!cbvhIntersect1(group, &r, nullptr)) continue;
     hits++;
     CbvhTriangle t;
-    ASSERT_TRUE(cbvhGetTriangle(surface, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+    ASSERT_TRUE(cbvhFindTriangle(surface, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
     const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
                 d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
     double height = 0, n = 0;
@@ -709,7 +710,7 @@ TEST(Beside, TrianglesAreReported)
   }
   EXPECT_GT(hits, 100u);
   CbvhTriangle t;
-  EXPECT_FALSE(cbvhGetTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
+  EXPECT_FALSE(cbvhFindTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
   size_t quads = 0;
   ASSERT_EQ(cbvhForEachPart(
               surface, 0.5f,
@@ -732,7 +733,7 @@ TEST(Beside, ReferencedObjectsStayAlive)
   {
     const Surface surface(context);
     const CageInput input(cubeCage(), settingsOf(displacement, 1, 16));
-    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
     ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
     const CbvhSurface handle = surface;
     ASSERT_EQ(cbvhNewGroup(context, &handle, 1, &group), CBVH_OK);
@@ -772,7 +773,7 @@ TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
   const float* const farSteps[] = {far};
   CbvhCage moved = cube();
   moved.vertices.steps = farSteps;
-  ASSERT_EQ(cbvhSetCage(surface, &centered), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &centered), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const Group group(context, {surface});
   ASSERT_EQ(group.committed, CBVH_OK);
@@ -787,7 +788,7 @@ TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
     while (!isDone) { misses += !isHit(); rays++; }
   });
   for (int i = 0; i <= 100; i++) { // the last cage is `moved`
-    EXPECT_EQ(cbvhSetCage(surface, i % 2 ? &centered : &moved), CBVH_OK);
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, i % 2 ? &centered : &moved), CBVH_OK);
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   }
   while (rays == 0) std::this_thread::yield();

@@ -50,7 +50,7 @@ struct Damaged : testing::Test
     input.rate = 64;
     CbvhSurface surface = nullptr;
     EXPECT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
-    EXPECT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhSaveSurface(surface, path.c_str()), CBVH_OK) << cbvhGetErrorText();
     cbvhReleaseSurface(surface);
@@ -165,7 +165,7 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
 TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
 {
   const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
-    CbvhClusterReport& sums = *(CbvhClusterReport*)ptr;
+    CbvhClusterStatistics& sums = *(CbvhClusterStatistics*)ptr;
     sums.numClusters++;
     sums.numTriangles += cluster->numTriangles;
     sums.bytes += cluster->bytes;
@@ -175,14 +175,14 @@ TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
   for (int half : {0, 1}) {
     damage(half);
     CbvhGroup group = load();
-    CbvhClusterReport sums = CbvhClusterReport(), report = CbvhClusterReport();
-    report.numClusters = report.numTriangles = report.bytes = report.numClustersOf[3] = 12345;
+    CbvhClusterStatistics sums = CbvhClusterStatistics(), report = CbvhClusterStatistics();
+    report.numClusters = report.numTriangles = report.bytes = report.numClustersByReason[3] = 12345;
     EXPECT_EQ(cbvhForEachCluster(cbvhGetGroupSurface(group, 0), 0, CBVH_CLUSTER_FORMAT_FLOAT3, add, &sums, &report),
               CBVH_ERROR_INVALID_OPERATION);
     EXPECT_EQ(report.numClusters, sums.numClusters);
     EXPECT_EQ(report.numTriangles, sums.numTriangles);
     EXPECT_EQ(report.bytes, sums.bytes);
-    EXPECT_EQ(report.numClustersOf[3], 0u);
+    EXPECT_EQ(report.numClustersByReason[3], 0u);
     most = std::max(most, report.numClusters);
     reported = Reported();
     cbvhReleaseGroup(group);
@@ -206,7 +206,7 @@ TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
   input.rate = 16;
   CbvhSurface surface = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
-  ASSERT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
   const CbvhProgressFunction progress = [](void* ptr, double) {
     traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays);
     return 1;

@@ -175,7 +175,7 @@ void testFilters(RTCDevice device, CbvhContext context)
 {
   const Group group(context, 32, 2);
   const Scene plain(device, group, 0), byContext(device, group, contextFilters);
-  Scene byGeometry(device, group, CBVH_GEOMETRY_FILTERS);
+  Scene byGeometry(device, group, CBVH_GEOMETRY_FLAG_FILTERS);
   rtcSetGeometryIntersectFilterFunction(byGeometry.geometry, filter);
   rtcSetGeometryOccludedFilterFunction(byGeometry.geometry, filter);
   rtcCommitGeometry(byGeometry.geometry);
@@ -299,14 +299,14 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
     cage.displacement = nullptr; // larger than the distance of the cubes
     surfaces.push_back(nullptr);
     OK(cbvhNewSurface(context, &surfaces.back()));
-    OK(cbvhSetCage(surfaces.back(), &cage));
+    OK(cbvhSetSurfaceCage(surfaces.back(), &cage));
     OK(cbvhCommitSurface(surfaces.back(), nullptr, nullptr));
   }
   CbvhGroup group = nullptr;
   OK(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &group));
   OK(cbvhCommitGroup(group));
   for (CbvhSurface surface : surfaces) cbvhReleaseSurface(surface);
-  CHECK(cbvhGetGroupSize(group) == size_t(side*side));
+  CHECK(cbvhGetGroupSurfaceCount(group) == size_t(side*side));
   {
     const Scene scene(device, group);
     for (int i = 0; i < side*side; i++) {
@@ -334,7 +334,7 @@ void testEdits(RTCDevice device, CbvhContext context)
   const CbvhSurface surface = cbvhGetGroupSurface(group, 0);
   const Cube moved({5, 0, 0});
   const CbvhCage cage = moved.cage(32);
-  OK(cbvhSetCage(surface, &cage));
+  OK(cbvhSetSurfaceCage(surface, &cage));
   OK(cbvhCommitSurface(surface, nullptr, nullptr));
   OK(cbvhCommitGroup(group));
   rtcCommitGeometry(scene.geometry);
@@ -372,10 +372,10 @@ double cosineOf(const RTCRayHit& r)
  * here. */
 void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, RTCGeometry geometry, const char* what)
 {
-  OK(cbvhSetLossless(surface, 1));
+  OK(cbvhSetSurfaceLossless(surface, 1));
   OK(cbvhCommitSurface(surface, nullptr, nullptr));
   const Group group(context, surface);
-  CbvhStatistics statistics;
+  CbvhGroupStatistics statistics;
   OK(cbvhGetGroupStatistics(group, &statistics));
   CHECK(statistics.numQuads > 0);
   CHECK(statistics.maxVertexDeviation == 0);
@@ -433,7 +433,7 @@ void testLossless(RTCDevice device, CbvhContext context)
     OK(cbvhNewSurface(context, &surface));
 
     const CbvhCage cage = cube.cage(32, numSteps);
-    OK(cbvhSetCage(surface, &cage));
+    OK(cbvhSetSurfaceCage(surface, &cage));
     RTCGeometry geometry = cube.newInHost(device, 32, numSteps);
     checkHostsHits(device, context, surface, geometry, "a cage");
 
@@ -445,7 +445,7 @@ void testLossless(RTCDevice device, CbvhContext context)
         hostGrids.push_back({y*side + x, side, 33, 33});
       }
     const CbvhGrids ofGrids = {sizeof(CbvhGrids), grids.size(), grids.data(), input};
-    OK(cbvhSetGrids(surface, &ofGrids));
+    OK(cbvhSetSurfaceGrids(surface, &ofGrids));
     geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
     setHostVertices(geometry, input);
     setHostBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), hostGrids.size(),
@@ -455,7 +455,7 @@ void testLossless(RTCDevice device, CbvhContext context)
     for (unsigned corners : {4u, 3u}) {
       const std::vector<unsigned>& indices = corners == 4 ? quads : triangles;
       const CbvhMesh mesh = {sizeof(CbvhMesh), corners, indices.size()/corners, indices.data(), input};
-      OK(cbvhSetMesh(surface, &mesh));
+      OK(cbvhSetSurfaceMesh(surface, &mesh));
       geometry = rtcNewGeometry(device, corners == 4 ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
       setHostVertices(geometry, input);
       const RTCFormat format = corners == 4 ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3;
@@ -490,7 +490,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
   mesh.vertices = {vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
   CbvhSurface surface = nullptr;
   OK(cbvhNewSurface(context, &surface));
-  OK(cbvhSetMesh(surface, &mesh));
+  OK(cbvhSetSurfaceMesh(surface, &mesh));
   OK(cbvhCommitSurface(surface, nullptr, nullptr));
   for (size_t count : {2, 1025}) {
     const std::vector<CbvhSurface> surfaces(count, surface);
@@ -520,7 +520,7 @@ void testUnknownFlags(RTCDevice device)
     const Group group(context);
     const struct { unsigned flags; const char* named; } unknown[] = {
       {4, "0x4 "},
-      {CBVH_GEOMETRY_FILTERS | 0x80000000u, "0x80000000 "},
+      {CBVH_GEOMETRY_FLAG_FILTERS | 0x80000000u, "0x80000000 "},
       {~0u, RTC_VERSION_MAJOR < 4 ? "0xfffffffe " : "0xfffffffc "},
 #if RTC_VERSION_MAJOR < 4
       {2, "0x2 "},
@@ -533,7 +533,7 @@ void testUnknownFlags(RTCDevice device)
       CHECK(cbvhGetErrorText() == reported);
     }
     reported.clear();
-    const unsigned filters = CBVH_GEOMETRY_FILTERS;
+    const unsigned filters = CBVH_GEOMETRY_FLAG_FILTERS;
     for (unsigned flags : {0u, filters, contextFilters, filters | contextFilters}) {
       RTCGeometry geometry = cbvhNewGeometry(device, group, flags);
       CHECK(geometry != nullptr);

@@ -7,7 +7,7 @@
  *
  *   beside_horizons [--max-error E] [--searches N]
  *
- * Prints a line per terrain. E is maxError of cbvhSetAccuracy, 0 for the default. */
+ * Prints a line per terrain. E is maxError of cbvhSetSurfaceAccuracy, 0 for the default. */
 
 #include "host.h"
 
@@ -89,8 +89,8 @@ public:
     accuracy.maxError = maxError;
     CbvhSurface surface = nullptr;
     OK(cbvhNewSurface(context, &surface));
-    OK(cbvhSetAccuracy(surface, &accuracy));
-    OK(cbvhSetGrids(surface, &grids));
+    OK(cbvhSetSurfaceAccuracy(surface, &accuracy));
+    OK(cbvhSetSurfaceGrids(surface, &grids));
     OK(cbvhCommitSurface(surface, nullptr, nullptr));
     OK(cbvhNewGroup(context, &surface, 1, &group));
     OK(cbvhCommitGroup(group));
@@ -108,7 +108,7 @@ public:
     return cbvhOccluded1(group, &own, nullptr) != 0;
   }
 
-  CbvhStatistics statistics = CbvhStatistics();
+  CbvhGroupStatistics statistics = CbvhGroupStatistics();
 
 private:
   CbvhGroup group = nullptr;

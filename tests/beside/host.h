@@ -60,7 +60,7 @@ struct Query
 #if RTC_VERSION_MAJOR >= 4
 struct Arguments
 {
-  CbvhQueryContext context;
+  CbvhFilterContext context;
   RTCIntersectArguments intersect;
   RTCOccludedArguments occluded;
 
@@ -95,7 +95,7 @@ inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
     Arguments a(query); \
     rtcOccluded##N(valid, scene, &rays, &a.occluded); \
   }
-constexpr unsigned contextFilters = CBVH_GEOMETRY_CONTEXT_FILTERS;
+constexpr unsigned contextFilters = CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS;
 #else
 struct Arguments
 {
@@ -129,7 +129,7 @@ inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
     Arguments a(query); \
     rtcOccluded##N(valid, scene, &a.context, &rays); \
   }
-constexpr unsigned contextFilters = CBVH_GEOMETRY_FILTERS;
+constexpr unsigned contextFilters = CBVH_GEOMETRY_FLAG_FILTERS;
 #endif
 HOST_PACKET(4)
 HOST_PACKET(8)
@@ -142,16 +142,17 @@ template<> struct Packet<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Ray
 
 // Ray i of a packet of N.
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-constexpr unsigned hitWords = CBVH_HIT_INST_ID + 2*RTC_MAX_INSTANCE_LEVEL_COUNT;
+constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + 2*RTC_MAX_INSTANCE_LEVEL_COUNT;
 #else
-constexpr unsigned hitWords = CBVH_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
+constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
 inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray)
 {
-  for (unsigned word = 0; word < CBVH_RAY_WORDS; word++)
-    *cbvhWordOf(packet, N, word, i) = *cbvhWordOf((void*)&ray.ray, 1, word, 0);
+  for (unsigned word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
+    *cbvhInternalWordOf(packet, N, word, i) = *cbvhInternalWordOf((void*)&ray.ray, 1, word, 0);
   for (unsigned word = 0; word < hitWords; word++)
-    *cbvhWordOf(packet, N, CBVH_RAY_WORDS + word, i) = *cbvhWordOf((void*)&ray.hit, 1, word, 0);
+    *cbvhInternalWordOf(packet, N, CBVH_INTERNAL_RAY_WORDS + word, i) = *cbvhInternalWordOf((void*)&ray.hit, 1, word,
+    0);
 }
 
 // --- rays ----------------------------------------------------------------------------------------
@@ -292,7 +293,7 @@ public:
       const CbvhCage cage = cube.cage(rate, numSteps);
       CbvhSurface surface = nullptr;
       OK(cbvhNewSurface(context, &surface));
-      OK(cbvhSetCage(surface, &cage));
+      OK(cbvhSetSurfaceCage(surface, &cage));
       OK(cbvhCommitSurface(surface, nullptr, nullptr));
       surfaces.push_back(surface);
     }

@@ -33,7 +33,7 @@ struct OddCalls : ::testing::Test
     EXPECT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK);
     EXPECT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
     const CbvhCage cage = cube();
-    EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
   }
   ~OddCalls() override { cbvhReleaseGroup(group); cbvhReleaseSurface(surface); cbvhReleaseContext(context); }
 
@@ -50,8 +50,8 @@ struct OddCalls : ::testing::Test
 TEST_F(OddCalls, NullIsRejectedByEveryFunction)
 {
   commit();
-  CbvhDicing dicing = CbvhDicing();
-  CbvhStatistics statistics;
+  CbvhDicingArguments dicing = CbvhDicingArguments();
+  CbvhGroupStatistics statistics;
   CbvhTriangle triangle;
   CbvhSurface noSurface = nullptr;
   CbvhGroup noGroup = nullptr;
@@ -68,33 +68,33 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
     {"cbvhNewContext", [&] { return cbvhNewContext(nullptr, nullptr, nullptr, nullptr); }},
     {"cbvhNewSurface", [&] { return cbvhNewSurface(nullptr, &noSurface); }},
     {"cbvhNewSurface", [&] { return cbvhNewSurface(context, nullptr); }},
-    {"cbvhSetCage", [&] { return cbvhSetCage(nullptr, &cage); }},
-    {"cbvhSetCage", [&] { return cbvhSetCage(surface, nullptr); }},
-    {"cbvhSetGrids", [&] { return cbvhSetGrids(nullptr, &grids); }},
-    {"cbvhSetGrids", [&] { return cbvhSetGrids(surface, nullptr); }},
-    {"cbvhSetGrids", [&] { return cbvhSetGrids(surface, &grids); }},
-    {"cbvhSetMesh", [&] { return cbvhSetMesh(nullptr, &mesh); }},
-    {"cbvhSetMesh", [&] { return cbvhSetMesh(surface, nullptr); }},
-    {"cbvhSetMesh", [&] { return cbvhSetMesh(surface, &mesh); }},
+    {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(nullptr, &cage); }},
+    {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(surface, nullptr); }},
+    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(nullptr, &grids); }},
+    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, nullptr); }},
+    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, &grids); }},
+    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(nullptr, &mesh); }},
+    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, nullptr); }},
+    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, &mesh); }},
     {"cbvhDiceSurface", [&] { return cbvhDiceSurface(nullptr, &dicing, nullptr); }},
     {"cbvhDiceSurface", [&] { return cbvhDiceSurface(surface, nullptr, nullptr); }},
-    {"cbvhSetAccuracy", [&] { return cbvhSetAccuracy(nullptr, nullptr); }},
-    {"cbvhSetLossless", [&] { return cbvhSetLossless(nullptr, 1); }},
+    {"cbvhSetSurfaceAccuracy", [&] { return cbvhSetSurfaceAccuracy(nullptr, nullptr); }},
+    {"cbvhSetSurfaceLossless", [&] { return cbvhSetSurfaceLossless(nullptr, 1); }},
     {"cbvhSetSurfaceMask", [&] { return cbvhSetSurfaceMask(nullptr, 1); }},
     {"cbvhCommitSurface", [&] { return cbvhCommitSurface(nullptr, nullptr, nullptr); }},
-    {"cbvhInterpolate", [&] { return cbvhInterpolate(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
-    {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
-    {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
-    {"cbvhInterpolatePoints",
+    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
+    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
+    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
+    {"cbvhInterpolateAttributeAtPoints",
      [&] {
-       const CbvhInterpolation none = CbvhInterpolation();
-       return cbvhInterpolatePoints(nullptr, &none);
+       const CbvhInterpolationPoints none = CbvhInterpolationPoints();
+       return cbvhInterpolateAttributeAtPoints(nullptr, &none);
      }},
-    {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
-    {"cbvhInterpolatePoints",
+    {"cbvhInterpolateAttributeAtPoints", [&] { return cbvhInterpolateAttributeAtPoints(surface, nullptr); }},
+    {"cbvhInterpolateAttributeAtPoints",
      [&] {
-       const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P, nullptr, nullptr};
-       return cbvhInterpolatePoints(surface, &null);
+       const CbvhInterpolationPoints null = {sizeof(CbvhInterpolationPoints), 0, 0, 1, nullptr, P, P, nullptr, nullptr};
+       return cbvhInterpolateAttributeAtPoints(surface, &null);
      }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
@@ -123,7 +123,7 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
   }
   const std::vector<std::pair<const char*, std::function<size_t()>>> nothing = {
     {"cbvhGetSurfacePrimitiveCount", [&] { return cbvhGetSurfacePrimitiveCount(nullptr); }},
-    {"cbvhGetGroupSize", [&] { return cbvhGetGroupSize(nullptr); }},
+    {"cbvhGetGroupSurfaceCount", [&] { return cbvhGetGroupSurfaceCount(nullptr); }},
     {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(nullptr, 0)); }},
     {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, 1)); }},
     {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, ~size_t(0))); }},
@@ -164,8 +164,8 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
      [&] {
        return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr);
      }},
-    {"cbvhGetTriangle", [&] { return cbvhGetTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
-    {"cbvhGetTriangle", [&] { return cbvhGetTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
+    {"cbvhFindTriangle", [&] { return cbvhFindTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
+    {"cbvhFindTriangle", [&] { return cbvhFindTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
   };
   for (const auto& call : nothing) EXPECT_EQ(call.second(), 0u) << call.first;
   cbvhRetainContext(nullptr); cbvhReleaseContext(nullptr);
@@ -190,7 +190,7 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
   const auto expectInvalid = [&](const char* text, const std::function<void(CbvhCage&)>& modify) {
     CbvhCage cage = cube();
     modify(cage);
-    EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_ERROR_INVALID_ARGUMENT) << text;
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_ERROR_INVALID_ARGUMENT) << text;
     EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
   };
   expectInvalid("23 vertices together", [&](CbvhCage& c) { c.faceVertexCounts = few; });
@@ -204,7 +204,7 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
     c.cornerSharpness = sharp;
   });
   expectInvalid("face 7", [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
-  CbvhDicing dicing = CbvhDicing();
+  CbvhDicingArguments dicing = CbvhDicingArguments();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
   EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the previous cage is still set";
@@ -222,20 +222,20 @@ TEST_F(OddCalls, NonFiniteQueryParametersAreRejected)
   float uv[2], du[2], dv[2];
   for (float odd : oddNumbers)
     for (const auto& at : {std::make_pair(odd, 0.5f), std::make_pair(0.5f, odd), std::make_pair(odd, odd)}) {
-      EXPECT_EQ(cbvhInterpolate(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT)
+      EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT)
         << at.first << " " << at.second;
-      EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0)
+      EXPECT_EQ(cbvhFindTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0)
         << at.first << " " << at.second;
     }
   const auto part = [](void*, const CbvhPart*) { return 1; };
   for (float odd : {INFINITY, -INFINITY, float(NAN)}) {
-    EXPECT_EQ(cbvhGetTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
+    EXPECT_EQ(cbvhFindTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
     // surfaces that do not move ignore the time
     EXPECT_EQ(cbvhForEachPart(surface, odd, part, nullptr), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhForEachCluster(surface, odd, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr), CBVH_OK);
   }
-  EXPECT_EQ(cbvhInterpolate(surface, 0, 1, 0, 0, uv, du, dv), CBVH_OK);
-  EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, 1, 0, nullptr, &triangle), 1);
+  EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, 1, 0, 0, uv, du, dv), CBVH_OK);
+  EXPECT_EQ(cbvhFindTriangle(surface, 0, 0, 1, 0, nullptr, &triangle), 1);
 }
 
 // A face of 5 corners has the sub-patches 0 to 4.
@@ -247,19 +247,20 @@ TEST_F(OddCalls, MissingSubPatchesAreRejected)
   cage.faceVertexCounts = faces;
   cage.numIndices = 5;
   cage.indices = indices;
-  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   float uv[2];
   for (unsigned i = 0; i < 16; i++) {
     const float u = 1 + 2.0f*(i%4), v = 1 + 2.0f*(i/4);
     uv[0] = uv[1] = NAN;
-    const CbvhError found = cbvhInterpolate(surface, 0, u, v, 0, uv, nullptr, nullptr);
+    const CbvhError found = cbvhInterpolateAttribute(surface, 0, u, v, 0, uv, nullptr, nullptr);
     EXPECT_EQ(found, i < 5 ? CBVH_OK : CBVH_ERROR_INVALID_ARGUMENT) << i;
     EXPECT_EQ(std::isfinite(uv[0]) && std::isfinite(uv[1]), i < 5) << i;
   }
   for (float odd : oddNumbers)
     if (!(odd >= 0 && odd < 8)) {
-      EXPECT_EQ(cbvhInterpolate(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT) << odd;
+      EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT)
+        << odd;
     }
 }
 
@@ -271,8 +272,8 @@ struct Attempts
   void make()
   {
     const CbvhCage cage = cube();
-    const CbvhError errors[] = {cbvhSetCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr),
-                                cbvhSetAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
+    const CbvhError errors[] = {cbvhSetSurfaceCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr),
+                                cbvhSetSurfaceAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
     calls++;
     for (CbvhError error : errors) refused += error == CBVH_ERROR_INVALID_OPERATION;
   }
@@ -282,17 +283,18 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
 {
   Attempts attempts{surface};
   CbvhCage cage = cube();
-  cage.displacementPtr = &attempts;
+  cage.displacementUserPtr = &attempts;
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     Attempts& attempts = *(Attempts*)args->userPtr;
     attempts.make();
     float uv[2] = {-9, -9};
-    if (cbvhInterpolate(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) == CBVH_OK &&
+    if (cbvhInterpolateAttribute(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) ==
+          CBVH_OK &&
         uv[0] >= 0 && uv[0] <= 1)
       attempts.interpolated++;
   };
-  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
-  CbvhDicing dicing = CbvhDicing();
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
+  CbvhDicingArguments dicing = CbvhDicingArguments();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
   ASSERT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << cbvhGetErrorText();
@@ -321,30 +323,30 @@ TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
   struct State { CbvhSurface surface; std::atomic<size_t> points{0}, wrong{0}; } state{surface};
   CbvhCage cage = cube();
   cage.attributes = &unit;
-  cage.displacementPtr = &state;
+  cage.displacementUserPtr = &state;
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
     std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
-    const CbvhInterpolation points = {sizeof(CbvhInterpolation), args->primID, 0, args->count, args->u, args->v,
-        uv.data(), du.data(), dv.data()};
-    if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
+    const CbvhInterpolationPoints points = {sizeof(CbvhInterpolationPoints), args->primID, 0, args->count, args->u,
+        args->v, uv.data(), du.data(), dv.data()};
+    if (cbvhInterpolateAttributeAtPoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
     for (unsigned i = 0; i < args->count; i++) {
       state.points++;
       state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f &&
                        std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
     }
   };
-  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
   float P[2];
-  EXPECT_EQ(cbvhInterpolate(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
+  EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
     << "not committed";
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   EXPECT_GE(state.points, 6u*9*9);
   EXPECT_EQ(state.wrong, 0u);
   const float u[] = {0.5f, NAN}, v[] = {0.5f, 0.5f};
   P[0] = -9;
-  const CbvhInterpolation points = {sizeof(CbvhInterpolation), 0, 0, 2, u, v, P, nullptr, nullptr};
-  EXPECT_EQ(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT);
+  const CbvhInterpolationPoints points = {sizeof(CbvhInterpolationPoints), 0, 0, 2, u, v, P, nullptr, nullptr};
+  EXPECT_EQ(cbvhInterpolateAttributeAtPoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(P[0], -9) << "nothing is written";
 }
 
@@ -368,10 +370,10 @@ TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
   CbvhCage cage = cube();
   cage.rate = 64;
   cage.displacement = [](const CbvhDisplacementArguments*) { if (throws) throw std::runtime_error("no such texture"); };
-  CbvhDicing dicing = CbvhDicing();
+  CbvhDicingArguments dicing = CbvhDicingArguments();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
-  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
   for (int round = 0; round < 3; round++) {
     throws = round == 1;
     if (round == 0) {
@@ -394,7 +396,7 @@ TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
 TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
 {
   commit();
-  CbvhStatistics before, after;
+  CbvhGroupStatistics before, after;
   ASSERT_EQ(cbvhGetGroupStatistics(group, &before), CBVH_OK);
   ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
   EXPECT_TRUE(isSeen(group));
@@ -412,7 +414,7 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
   commit();
   CbvhGroup other = nullptr;
   ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &other), CBVH_OK);
-  CbvhStatistics statistics;
+  CbvhGroupStatistics statistics;
   EXPECT_EQ(cbvhGetGroupStatistics(other, &statistics), CBVH_ERROR_INVALID_OPERATION) << "not committed";
   ASSERT_EQ(cbvhCommitGroup(other), CBVH_OK);
   ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
@@ -432,22 +434,22 @@ TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
   cage.vertices.steps = steps;
   CbvhSurface second = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &second), CBVH_OK);
-  ASSERT_EQ(cbvhSetCage(second, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetSurfaceCage(second, &cage), CBVH_OK) << cbvhGetErrorText();
   const CbvhSurface both[] = {surface, second};
   for (CbvhSurface one : both) ASSERT_EQ(cbvhCommitSurface(one, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhNewGroup(context, both, 2, &group), CBVH_OK);
   ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
-  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
 
   struct State { CbvhGroup group; std::atomic<unsigned> calls{0}; CbvhError error = CBVH_OK; } state{group};
-  cage.displacementPtr = &state;
+  cage.displacementUserPtr = &state;
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
     if (state.calls++ == 0) state.error = cbvhCommitGroup(state.group);
   };
   ASSERT_EQ(cbvhSetSurfaceMask(second, 3), CBVH_OK);
-  ASSERT_EQ(cbvhSetCage(second, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(second, &cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(second, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   EXPECT_GT(state.calls, 0u);
   EXPECT_EQ(state.error, CBVH_ERROR_INVALID_OPERATION);
@@ -465,10 +467,10 @@ TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
   commit();
   const CbvhAccuracy fine = {sizeof(CbvhAccuracy), 0.001f, 0, {0, 0, 0}, 0};
   for (int i = 0; i < 2; i++) {
-    ASSERT_EQ(cbvhSetAccuracy(surface, &fine), CBVH_OK);
+    ASSERT_EQ(cbvhSetSurfaceAccuracy(surface, &fine), CBVH_OK);
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);
   }
-  ASSERT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceAccuracy(surface, nullptr), CBVH_OK);
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "the stored accuracy";
 }
 
@@ -548,19 +550,19 @@ TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
   cage.rate = 4;
   CbvhSurface prism = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &prism), CBVH_OK);
-  ASSERT_EQ(cbvhSetCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetSurfaceCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhCommitSurface(prism, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   const CbvhSurface both[] = {prism, surface};
   ASSERT_EQ(cbvhNewGroup(context, both, 2, &group), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(cbvhGetErrorText()).find("22 faces are left out"), std::string::npos) << cbvhGetErrorText();
-  CbvhStatistics statistics;
+  CbvhGroupStatistics statistics;
   EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the other faces exist";
   EXPECT_EQ(statistics.numQuads, 6u*64);
   EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
-  ASSERT_EQ(cbvhSetCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetSurfaceCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhCommitSurface(prism, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT) << "a new cage leaves out as many faces";
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();

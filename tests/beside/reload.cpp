@@ -35,7 +35,7 @@ void use(const char* path)
   if (!library) { std::fprintf(stderr, "%s\n", dlerror()); failures++; return; }
   FUNCTION(cbvhNewContext);
   FUNCTION(cbvhNewSurface);
-  FUNCTION(cbvhSetCage);
+  FUNCTION(cbvhSetSurfaceCage);
   FUNCTION(cbvhCommitSurface);
   FUNCTION(cbvhNewGroup);
   FUNCTION(cbvhCommitGroup);
@@ -48,7 +48,7 @@ void use(const char* path)
   const Cube cube;
   const CbvhCage cage = cube.cage(64);
   CHECK(cbvhNewSurface(context, &surface) == CBVH_OK);
-  CHECK(cbvhSetCage(surface, &cage) == CBVH_OK);
+  CHECK(cbvhSetSurfaceCage(surface, &cage) == CBVH_OK);
   CHECK(cbvhCommitSurface(surface, nullptr, nullptr) == CBVH_OK);
   CHECK(cbvhNewGroup(context, &surface, 1, &group) == CBVH_OK);
   CHECK(cbvhCommitGroup(group) == CBVH_OK);

@@ -79,7 +79,7 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
   const CbvhCage cage = cube.cage(rate, 1);
   CbvhSurface made = nullptr, opened = nullptr;
   OK(cbvhNewSurface(context, &made));
-  OK(cbvhSetCage(made, &cage));
+  OK(cbvhSetSurfaceCage(made, &cage));
   OK(cbvhCommitSurface(made, nullptr, nullptr));
   OK(cbvhSaveSurface(made, path.c_str()));
   const double seconds = secondsOf([&] { OK(cbvhLoadSurface(context, path.c_str(), &opened)); });
@@ -139,7 +139,7 @@ int main(int argc, char** argv)
     rtcAttachGeometry(own, geometry);
     rtcReleaseGeometry(geometry);
     const double theirs = secondsOf([&] { rtcCommitScene(own); });
-    CbvhStatistics statistics;
+    CbvhGroupStatistics statistics;
     OK(cbvhGetGroupStatistics(*group, &statistics));
     const double quads = double(statistics.numQuads);
     std::printf(

@@ -77,7 +77,7 @@ struct StructSizes : ::testing::Test
     const CbvhCage input = cube();
     for (CbvhSurface* s : {&surface, &other}) {
       EXPECT_EQ(cbvhNewSurface(context, s), CBVH_OK);
-      EXPECT_EQ(cbvhSetCage(*s, &input), CBVH_OK) << cbvhGetErrorText();
+      EXPECT_EQ(cbvhSetSurfaceCage(*s, &input), CBVH_OK) << cbvhGetErrorText();
     }
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK);
@@ -155,9 +155,9 @@ struct StructSizes : ::testing::Test
         rtcGetCompressedFileGeometryInfo(file, 0, description);
         return error();
       }));
-    cases.push_back(caseOf<RTCCompressedClusterReport>("RTCCompressedClusterReport", true, {},
-      [=](RTCCompressedClusterReport* report) {
-        rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
+    cases.push_back(caseOf<RTCCompressedClusterStatistics>("RTCCompressedClusterStatistics", true, {},
+      [=](RTCCompressedClusterStatistics* report) {
+        rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
         return error();
       }));
   }
@@ -165,26 +165,26 @@ struct StructSizes : ::testing::Test
   void addCbvhCases()
   {
     cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
-      [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
+      [=](CbvhCage* input) { return error(cbvhSetSurfaceCage(other, input)); }));
     static const CbvhGrid grid = {0, 2, 2, 4};
     cases.push_back(caseOf<CbvhGrids>("CbvhGrids", false, {sizeof(CbvhGrids), 1, &grid, cube().vertices},
-      [=](CbvhGrids* input) { return error(cbvhSetGrids(other, input)); }));
+      [=](CbvhGrids* input) { return error(cbvhSetSurfaceGrids(other, input)); }));
     cases.push_back(caseOf<CbvhMesh>("CbvhMesh", false, {sizeof(CbvhMesh), 4, 6, cubeIndices, cube().vertices},
-      [=](CbvhMesh* input) { return error(cbvhSetMesh(other, input)); }));
-    CbvhDicing dicing = CbvhDicing();
+      [=](CbvhMesh* input) { return error(cbvhSetSurfaceMesh(other, input)); }));
+    CbvhDicingArguments dicing = CbvhDicingArguments();
     dicing.pixelSize = 0.1f;
-    cases.push_back(caseOf<CbvhDicing>("CbvhDicing", false, dicing, [=](CbvhDicing* input) {
+    cases.push_back(caseOf<CbvhDicingArguments>("CbvhDicingArguments", false, dicing, [=](CbvhDicingArguments* input) {
       const CbvhCage again = cube();
-      EXPECT_EQ(cbvhSetCage(other, &again), CBVH_OK);
+      EXPECT_EQ(cbvhSetSurfaceCage(other, &again), CBVH_OK);
       return error(cbvhDiceSurface(other, input, nullptr));
     }));
     cases.push_back(caseOf<CbvhAccuracy>("CbvhAccuracy", false, {},
-        [=](CbvhAccuracy* input) { return error(cbvhSetAccuracy(other, input)); }));
+        [=](CbvhAccuracy* input) { return error(cbvhSetSurfaceAccuracy(other, input)); }));
     static const float uv[1] = {0.5f};
     static float P[2];
-    cases.push_back(caseOf<CbvhInterpolation>("CbvhInterpolation", false,
-        {sizeof(CbvhInterpolation), 0, 0, 1, uv, uv, P, nullptr, nullptr},
-      [=](CbvhInterpolation* points) { return error(cbvhInterpolatePoints(surface, points)); }));
+    cases.push_back(caseOf<CbvhInterpolationPoints>("CbvhInterpolationPoints", false,
+        {sizeof(CbvhInterpolationPoints), 0, 0, 1, uv, uv, P, nullptr, nullptr},
+      [=](CbvhInterpolationPoints* points) { return error(cbvhInterpolateAttributeAtPoints(surface, points)); }));
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
         reported.clear();
@@ -212,10 +212,10 @@ struct StructSizes : ::testing::Test
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(true)));
-    cases.push_back(caseOf<CbvhStatistics>("CbvhStatistics", true, {},
-        [=](CbvhStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
-    cases.push_back(caseOf<CbvhClusterReport>("CbvhClusterReport", true, {},
-      [=](CbvhClusterReport* report) {
+    cases.push_back(caseOf<CbvhGroupStatistics>("CbvhGroupStatistics", true, {},
+        [=](CbvhGroupStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
+    cases.push_back(caseOf<CbvhClusterStatistics>("CbvhClusterStatistics", true, {},
+      [=](CbvhClusterStatistics* report) {
         return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report));
       }));
   }

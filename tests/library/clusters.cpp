@@ -16,12 +16,13 @@
 namespace cbvh::test {
 namespace {
 
-const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1,
-                                       RTC_CLUSTER_FORMAT_DGF1};
-const char* nameOf(RTCClusterFormat format)
+constexpr RTCCompressedClusterFormat FLOAT3 = RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3,
+  COMPRESSED1 = RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, DGF1 = RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
+const RTCCompressedClusterFormat allFormats[] = {FLOAT3, COMPRESSED1, DGF1};
+const char* nameOf(RTCCompressedClusterFormat format)
 {
-  return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1"
-         : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1"
+  return format == DGF1 ? "DGF1"
+         : format == COMPRESSED1 ? "COMPRESSED1"
                                                     : "floats";
 }
 
@@ -56,14 +57,17 @@ private:
 void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
 {
   size_t triangles = 0;
-  for (RTCClusterFormat format : allFormats) {
+  for (RTCCompressedClusterFormat format : allFormats) {
     SCOPED_TRACE(nameOf(format));
     try {
       const ClusterJudge judge(geometry, time, format);
-      EXPECT_GT(judge.report.numTriangles, 0u);
-      if (format == RTC_CLUSTER_FORMAT_FLOAT3) triangles = judge.report.numTriangles;
-      EXPECT_EQ(judge.report.numTriangles, triangles);
-      if (allFit) { EXPECT_EQ(judge.report.numClustersOf[RTC_CLUSTER_REASON_NONE], judge.report.numClusters); }
+      EXPECT_GT(judge.statistics.numTriangles, 0u);
+      if (format == FLOAT3) triangles = judge.statistics.numTriangles;
+      EXPECT_EQ(judge.statistics.numTriangles, triangles);
+      if (allFit) {
+        EXPECT_EQ(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE],
+                  judge.statistics.numClusters);
+      }
     }
     catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
   }
@@ -93,15 +97,15 @@ TEST(Clusters, UnstitchedClustersAreWholeGrids)
   Displacement displacement;
   settings.displacement = &displacement;
   const Stored cube(device, cubeCage(), settings);
-  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1),
-    floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
-  EXPECT_EQ(positions.report.numClusters, 6*16u);
-  EXPECT_EQ(positions.report.numVertices, 6*16*81u);
+  const ClusterJudge positions(cube, 0, COMPRESSED1), dgf(cube, 0, DGF1),
+    floats(cube, 0, FLOAT3);
+  EXPECT_EQ(positions.statistics.numClusters, 6*16u);
+  EXPECT_EQ(positions.statistics.numVertices, 6*16*81u);
   EXPECT_EQ(positions.wholeClusters, 6*16u);
-  EXPECT_EQ(positions.report.indexBytes, 0u);
-  EXPECT_LT(positions.report.bytes, floats.report.bytes/2);
-  EXPECT_EQ(dgf.report.bytes, 128*dgf.report.numClusters);
-  EXPECT_LT(dgf.report.bytes, floats.report.bytes);
+  EXPECT_EQ(positions.statistics.indexBytes, 0u);
+  EXPECT_LT(positions.statistics.bytes, floats.statistics.bytes/2);
+  EXPECT_EQ(dgf.statistics.bytes, 128*dgf.statistics.numClusters);
+  EXPECT_LT(dgf.statistics.bytes, floats.statistics.bytes);
   EXPECT_LE(dgf.largestCluster, 64u);
 }
 
@@ -161,19 +165,20 @@ TEST(Clusters, ReasonForFloatsIsReported)
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  const auto reasonOf = [&](RTCGeometry geometry, float time, RTCClusterFormat format) {
+  const auto reasonOf = [&](RTCGeometry geometry, float time, RTCCompressedClusterFormat format) {
     const ClusterJudge judge(geometry, time, format);
-    for (int i = 0; i < 4; i++) if (judge.report.numClustersOf[i] == judge.report.numClusters) return i;
+    for (int i = 0; i < 4; i++) if (judge.statistics.numClustersByReason[i] == judge.statistics.numClusters) return i;
     return -1;
   };
   const Stored raw(device, cubeCage(), settings, RTC_COMPRESSION_CGRID);
   settings.timeSteps = 3;
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
   const Stored moving(device, cubeCage(), settings);
-  for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
-    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_CLUSTER_REASON_RAW));
-    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_CLUSTER_REASON_MOVING));
-    for (float step : {0.0f, 0.5f, 1.0f}) EXPECT_EQ(reasonOf(moving, step, format), int(RTC_CLUSTER_REASON_NONE));
+  for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
+    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_COMPRESSED_CLUSTER_REASON_FLOATS));
+    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_COMPRESSED_CLUSTER_REASON_MOVING));
+    for (float step : {0.0f, 0.5f, 1.0f})
+      EXPECT_EQ(reasonOf(moving, step, format), int(RTC_COMPRESSED_CLUSTER_REASON_NONE));
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -192,11 +197,11 @@ TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
     return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
   });
   const Stored grids(newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
-  for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
+  for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
     const ClusterJudge judge(grids, 0, format);
-    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_REASON_RAW], 0u);
-    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_REASON_NONE], 0u);
-    EXPECT_EQ(judge.report.numTriangles, 2*diced.quads());
+    EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_FLOATS], 0u);
+    EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE], 0u);
+    EXPECT_EQ(judge.statistics.numTriangles, 2*diced.quads());
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -206,22 +211,22 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   Device device;
   SurfaceSettings settings;
   const Stored cube(device, cubeCage(), settings);
-  RTCCompressedClusterReport report;
-  rtcForEachCompressedCluster(nullptr, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, &report);
-  rtcForEachCompressedCluster(cube, 0, RTCClusterFormat(3), nullptr, nullptr, &report);
+  RTCCompressedClusterStatistics statistics;
+  rtcForEachCompressedCluster(nullptr, 0, DGF1, nullptr, nullptr, &statistics);
+  rtcForEachCompressedCluster(cube, 0, RTCCompressedClusterFormat(3), nullptr, nullptr, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(device.message.find("3"), std::string::npos) << device.message;
   const Stored leaves(device, cubeCage(), settings, RTC_COMPRESSION_CLEAF);
-  rtcForEachCompressedCluster(leaves, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, &report);
+  rtcForEachCompressedCluster(leaves, 0, DGF1, nullptr, nullptr, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-  rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr);
+  rtcForEachCompressedCluster(cube, 0, DGF1, nullptr, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   size_t calls = 0;
   rtcForEachCompressedCluster(
-    cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls,
-    &report);
+    cube, 0, DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls,
+    &statistics);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
-  EXPECT_EQ(report.numClusters, 3u);
+  EXPECT_EQ(statistics.numClusters, 3u);
 }
 
 TEST(Clusters, CallbackMayReleaseTheGeometry)
@@ -232,9 +237,9 @@ TEST(Clusters, CallbackMayReleaseTheGeometry)
   struct Callback { RTCGeometry geometry; Memory& memory; ssize_t freed; } callback = {nullptr, memory, 0};
   callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   const ssize_t before = memory.live;
-  RTCCompressedClusterReport report;
+  RTCCompressedClusterStatistics statistics;
   rtcForEachCompressedCluster(
-    callback.geometry, 0, RTC_CLUSTER_FORMAT_COMPRESSED1,
+    callback.geometry, 0, COMPRESSED1,
     [](void* self, const RTCCompressedCluster*) {
       Callback& callback = *(Callback*)self;
       if (!callback.geometry) return true;
@@ -244,10 +249,10 @@ TEST(Clusters, CallbackMayReleaseTheGeometry)
       callback.freed = before - callback.memory.live;
       return true;
     },
-    &callback, &report);
+    &callback, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";
-  EXPECT_EQ(report.numTriangles, 2u*256*256);
+  EXPECT_EQ(statistics.numTriangles, 2u*256*256);
   EXPECT_LT(memory.live, before);
 }
 

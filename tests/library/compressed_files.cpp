@@ -51,7 +51,7 @@ void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressio
 std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
 {
   std::vector<std::array<float, 3>> all;
-  rtcForEachCompressedPartAtTime(geometry, time, [](void* self, const RTCCompressedPart* part) {
+  rtcForEachCompressedPart(geometry, time, [](void* self, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++)
       ((std::vector<std::array<float, 3>>*)self)
         ->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
@@ -116,7 +116,7 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
       for (const RTCRayHit& r : hits) {
         RTCCompressedTriangle triangle;
         if (isHit(r))
-          found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v,
+          found += rtcFindCompressedTriangle(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v,
                                                   &r.hit.Ng_x, &triangle);
       }
       EXPECT_EQ(found, hitsOf(hits));

@@ -343,7 +343,7 @@ TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
 TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
 {
   const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
-    RTCCompressedClusterReport& sums = *(RTCCompressedClusterReport*)ptr;
+    RTCCompressedClusterStatistics& sums = *(RTCCompressedClusterStatistics*)ptr;
     sums.numClusters++;
     sums.numTriangles += cluster->numTriangles;
     sums.bytes += cluster->bytes;
@@ -357,14 +357,14 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
     writeBytes(path, file.bytes);
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
-    RTCCompressedClusterReport sums = RTCCompressedClusterReport(), report = RTCCompressedClusterReport();
-    report.numClusters = report.numTriangles = report.bytes = report.numClustersOf[3] = 12345;
-    rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_FLOAT3, add, &sums, &report);
+    RTCCompressedClusterStatistics sums = RTCCompressedClusterStatistics(), report = RTCCompressedClusterStatistics();
+    report.numClusters = report.numTriangles = report.bytes = report.numClustersByReason[3] = 12345;
+    rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3, add, &sums, &report);
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_EQ(report.numClusters, sums.numClusters);
     EXPECT_EQ(report.numTriangles, sums.numTriangles);
     EXPECT_EQ(report.bytes, sums.bytes);
-    EXPECT_EQ(report.numClustersOf[3], 0u);
+    EXPECT_EQ(report.numClustersByReason[3], 0u);
     most = std::max(most, report.numClusters);
     rtcReleaseGeometry(geometry);
   }

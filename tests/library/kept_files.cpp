@@ -216,7 +216,7 @@ bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangl
 {
   const RTCHit& hit = r.hit;
   return isHit(r)
-    && rtcGetCompressedTriangleAtTime(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
+    && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
 // The hits of the text files are those of AVX2. Other instruction sets round u and v differently.

@@ -70,7 +70,7 @@ Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; 
 std::set<Vec> storedVertices(RTCGeometry geometry)
 {
   std::set<Vec> vertices;
-  rtcForEachCompressedPart(geometry, [](void* out, const RTCCompressedPart* part) {
+  rtcForEachCompressedPart(geometry, 0, [](void* out, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++) {
       const float* p = part->vertices + 3*i;
       if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
@@ -235,7 +235,7 @@ std::vector<RTCRayHit> raysAtStored(Random& random, RTCGeometry geometry, float 
 {
   typedef std::array<Vec, 3> Triangle;
   std::vector<Triangle> triangles;
-  rtcForEachCompressedPartAtTime(geometry, time, [](void* out, const RTCCompressedPart* part) {
+  rtcForEachCompressedPart(geometry, time, [](void* out, const RTCCompressedPart* part) {
     const auto at = [&](unsigned x, unsigned y) {
       const float* p = part->vertices + 3*(y*part->width + x);
       return Vec{p[0], p[1], p[2]};
@@ -294,7 +294,7 @@ bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangl
 {
   const RTCHit& hit = r.hit;
   return isHit(r)
-      && rtcGetCompressedTriangleAtTime(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
+      && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
 template<typename Found>

@@ -613,7 +613,7 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         const RTCRayHit r = intersect(scene, rayAt(random, mesh));
         ASSERT_TRUE(isHit(r));
         RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcGetCompressedTriangle(geometry, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         unsigned v[3];
         if (mesh.isTriangleForm()) std::copy_n(mesh.triangles[r.hit.primID].data(), 3, v);
         else {
@@ -629,10 +629,10 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         ASSERT_EQ(t.v[2], isFlipped ? 0 : 1);
       }
       RTCCompressedTriangle t;
-      EXPECT_FALSE(rtcGetCompressedTriangle(geometry, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
+      EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
 
       std::set<unsigned> met;
-      rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
+      rtcForEachCompressedPart(geometry, 0, [](void* userPtr, const RTCCompressedPart* part) {
         const unsigned n = part->primitivesPerQuad;
         for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
           if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {

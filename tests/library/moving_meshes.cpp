@@ -454,7 +454,7 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
         hits++;
         RTCCompressedTriangle t;
         ASSERT_TRUE(
-          rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+          rtcFindCompressedTriangle(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         std::set<unsigned> corners;
         for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
         for (int c = 0; c < 3; c++) {

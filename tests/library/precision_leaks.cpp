@@ -87,7 +87,7 @@ class StoredAt
 public:
   AimPoints points;
 
-  StoredAt(RTCGeometry geometry, float time) { rtcForEachCompressedPartAtTime(geometry, time, add, this); }
+  StoredAt(RTCGeometry geometry, float time) { rtcForEachCompressedPart(geometry, time, add, this); }
 
   // The triangles as a geometry of Embree's own triangle kernel.
   RTCGeometry newTriangles(RTCDevice device) const

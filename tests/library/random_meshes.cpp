@@ -130,7 +130,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
              e[0][2]*e[1][0] != e[0][0]*e[1][2];
     };
     std::set<unsigned> met;
-    rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
+    rtcForEachCompressedPart(geometry, 0, [](void* userPtr, const RTCCompressedPart* part) {
       const unsigned n = part->primitivesPerQuad;
       for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
         if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
@@ -152,7 +152,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
       for (float u : {0.3f, 0.8f}) {
         if ((mesh.isTriangleForm() && u > 0.5f) || !hasArea(v, u)) continue;
         RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcGetCompressedTriangle(geometry, unsigned(i), u, u, nullptr, &t));
+        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, unsigned(i), u, u, nullptr, &t));
         for (int c = 0; c < 3; c++) {
           const Vec& p = mesh.vertices[v[halves[u > 0.5f][c]]];
           for (int k = 0; k < 3; k++)

@@ -27,7 +27,7 @@ struct AllParts
   std::map<unsigned, std::set<Triangle>> triangles; // by primID
   size_t quads = 0, calls = 0, mostCalls = ~size_t(0);
 
-  explicit AllParts(RTCGeometry geometry) { rtcForEachCompressedPart(geometry, add, this); }
+  explicit AllParts(RTCGeometry geometry) { rtcForEachCompressedPart(geometry, 0, add, this); }
 
   static bool add(void* self, const RTCCompressedPart* part)
   {
@@ -64,7 +64,7 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
     hits++;
     SCOPED_TRACE(testing::Message() << "primID " << r.hit.primID << ", u " << r.hit.u << ", v " << r.hit.v);
     RTCCompressedTriangle t;
-    ASSERT_TRUE(rtcGetCompressedTriangle(geometry, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+    ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
     Triangle vertices;
     for (int c = 0; c < 3; c++) std::copy_n(t.vertices[c], 3, vertices[c].begin());
     ASSERT_TRUE(all.triangles.count(r.hit.primID) && all.triangles.at(r.hit.primID).count(vertices));
@@ -172,7 +172,7 @@ TEST(StoredTriangles, ManyThreadsReadThem)
     threads.emplace_back([&] {
       RTCCompressedTriangle t;
       for (unsigned primID = 0; primID < diced.grids.size(); primID++)
-        found += rtcGetCompressedTriangle(geometry, primID, 0.3f, 0.6f, nullptr, &t);
+        found += rtcFindCompressedTriangle(geometry, 0, primID, 0.3f, 0.6f, nullptr, &t);
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(found, 8*diced.grids.size());
@@ -183,7 +183,7 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   Device device;
   RTCCompressedTriangle t;
   const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) {
-    return rtcGetCompressedTriangle(geometry, primID, 0.5f, 0.5f, nullptr, &t);
+    return rtcFindCompressedTriangle(geometry, 0, primID, 0.5f, 0.5f, nullptr, &t);
   };
   const Diced diced = dicedSheet(2, 8);
   Scene scene(device);
@@ -201,20 +201,20 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   EXPECT_TRUE(lookUp(geometry));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(lookUp(geometry, 4));
-  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, 1.5f, 0.5f, nullptr, &t));
-  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, NAN, 0.5f, nullptr, &t));
+  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 1.5f, 0.5f, nullptr, &t));
+  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, NAN, 0.5f, nullptr, &t));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(lookUp(plain));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_FALSE(lookUp(leaves));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("cVERT"), std::string::npos) << device.message;
-  rtcForEachCompressedPart(geometry, nullptr, nullptr);
+  rtcForEachCompressedPart(geometry, 0, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, 0.5f, 0.5f, nullptr, nullptr));
+  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 0.5f, 0.5f, nullptr, nullptr));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   size_t calls = 0;
-  rtcForEachCompressedPart(geometry, [](void* n, const RTCCompressedPart*) { return ++*(size_t*)n < 3; }, &calls);
+  rtcForEachCompressedPart(geometry, 0, [](void* n, const RTCCompressedPart*) { return ++*(size_t*)n < 3; }, &calls);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
 }
 
@@ -257,7 +257,7 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
     }
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const ssize_t before = memory.live;
-    rtcForEachCompressedPart(callback.geometry, Callback::function, &callback);
+    rtcForEachCompressedPart(callback.geometry, 0, Callback::function, &callback);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     EXPECT_GT(callback.calls, 16u) << "one grid has several parts";
     EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";

@@ -131,7 +131,7 @@ public:
     if (statistics.numQuads == 0) return {};
     vertices.assign(sheet.steps[0].size(), {NAN, NAN, NAN});
     timeOfStep = sheet.steps.size() > 1 ? float(step)/float(sheet.steps.size() - 1) : 0;
-    rtcForEachCompressedPartAtTime(geometry, timeOfStep, addPart, this);
+    rtcForEachCompressedPart(geometry, timeOfStep, addPart, this);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     return vertices;
   }
@@ -231,7 +231,7 @@ private:
       RTCCompressedTriangle triangle;
       const float u = kind == Kind::Quads && i ? 0.75f : 0.25f;
       const unsigned primID = kind == Kind::Quads ? quad : 2*quad + i;
-      if (!rtcGetCompressedTriangleAtTime(geometry, timeOfStep, primID, u, u, nullptr, &triangle)) continue;
+      if (!rtcFindCompressedTriangle(geometry, timeOfStep, primID, u, u, nullptr, &triangle)) continue;
       for (int k = 0; k < 3; k++) set(corners[i][k], triangle.vertices[k]);
     }
   }

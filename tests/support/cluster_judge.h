@@ -74,26 +74,31 @@ inline bool canBeHit(const std::array<Corner, 3>& t)
 class ClusterJudge
 {
 public:
-  RTCCompressedClusterReport report;
+  RTCCompressedClusterStatistics statistics;
   size_t decodedVertices = 0;
   size_t wholeClusters = 0, largestCluster = 0;
 
   // Throws with a description of the first difference.
-  ClusterJudge(RTCGeometry geometry, float time, RTCClusterFormat format) : format(format)
+  ClusterJudge(RTCGeometry geometry, float time, RTCCompressedClusterFormat format) : format(format)
   {
-    std::memset((void*)&report, 0xFF, sizeof(report));
-    report.structSize = sizeof(report);
-    rtcForEachCompressedPartAtTime(geometry, time, addPart, this);
-    rtcForEachCompressedCluster(geometry, time, format, addCluster, this, &report);
+    std::memset((void*)&statistics, 0xFF, sizeof(statistics));
+    statistics.structSize = sizeof(statistics);
+    rtcForEachCompressedPart(geometry, time, addPart, this);
+    rtcForEachCompressedCluster(geometry, time, format, addCluster, this, &statistics);
     if (!failure.empty()) throw std::runtime_error(failure);
     demand(found == expected, "other triangles");
     size_t clusters = 0, triangles = 0;
-    for (int i = 0; i < 4; i++) { clusters += report.numClustersOf[i]; triangles += report.numTrianglesOf[i]; }
-    demand(report.numTriangles == found.count && triangles == found.count, "the report's triangles");
-    demand(report.numClusters == seen.numClusters && clusters == seen.numClusters, "the report's clusters");
-    demand(report.numVertices == seen.numVertices && report.bytes == seen.bytes && report.indexBytes == seen.indexBytes,
-           "the report's bytes");
-    demand(std::equal(report.numClustersOf, report.numClustersOf + 4, seen.numClustersOf), "the report's reasons");
+    for (int i = 0; i < 4; i++) {
+      clusters += statistics.numClustersByReason[i];
+      triangles += statistics.numTrianglesByReason[i];
+    }
+    demand(statistics.numTriangles == found.count && triangles == found.count, "statistics: triangles");
+    demand(statistics.numClusters == seen.numClusters && clusters == seen.numClusters, "statistics: clusters");
+    demand(statistics.numVertices == seen.numVertices && statistics.bytes == seen.bytes &&
+             statistics.indexBytes == seen.indexBytes,
+           "statistics: bytes");
+    demand(std::equal(statistics.numClustersByReason, statistics.numClustersByReason + 4, seen.numClustersByReason),
+           "statistics: reasons");
   }
 
 private:
@@ -115,13 +120,14 @@ private:
 
   void add(const RTCCompressedCluster& cluster)
   {
-    demand((cluster.reason == RTC_CLUSTER_REASON_NONE) == (cluster.format == format), "a reason, and the format");
-    demand(cluster.format == format || cluster.format == RTC_CLUSTER_FORMAT_FLOAT3, "another format");
+    demand((cluster.reason == RTC_COMPRESSED_CLUSTER_REASON_NONE) == (cluster.format == format),
+           "a reason, and the format");
+    demand(cluster.format == format || cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3, "another format");
     demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256,
            "a cluster that is too large");
     demand(cluster.firstTriangle == found.count, "the first triangle");
     DecodedCluster decoded;
-    const bool isDgf = cluster.format == RTC_CLUSTER_FORMAT_DGF1;
+    const bool isDgf = cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
     if (isDgf) {
       decoded = decodeDgf(cluster.data, cluster.bytes);
       demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices &&
@@ -131,7 +137,7 @@ private:
         for (int c = 0; c < 3; c++)
           demand(decoded.triangles[t][c] == cluster.indices[3*t + c], "indices are not those of the block");
     }
-    else if (cluster.format == RTC_CLUSTER_FORMAT_COMPRESSED1)
+    else if (cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1)
       decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
     else {
       demand(cluster.bytes == 12*cluster.numVertices, "the bytes of floats");
@@ -149,7 +155,7 @@ private:
         isUsed[v] = true;
         triangle[c] = decoded.vertices[v];
       }
-      std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangles[t]);
+      std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangleNumbers[t]);
       demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle ||
                std::array<Corner, 3>{said[2], said[0], said[1]} == triangle,
              "a triangle is not the part's");
@@ -174,12 +180,12 @@ private:
     seen.numVertices += cluster.numVertices;
     seen.bytes += cluster.bytes;
     if (cluster.width == 0 && !isDgf) seen.indexBytes += 3*cluster.numTriangles;
-    seen.numClustersOf[cluster.reason]++;
+    seen.numClustersByReason[cluster.reason]++;
   }
 
-  const RTCClusterFormat format;
+  const RTCCompressedClusterFormat format;
   TriangleSet expected, found;
-  RTCCompressedClusterReport seen = RTCCompressedClusterReport();
+  RTCCompressedClusterStatistics seen = RTCCompressedClusterStatistics();
   std::string failure;
 };
 

@@ -193,7 +193,7 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
         EXPECT_LT(r.hit.primID, description.primitiveCount);
         RTCCompressedTriangle triangle;
         if (form == QueryForm::Single)
-          rtcGetCompressedTriangleAtTime(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+          rtcFindCompressedTriangle(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
       }
       QueryRun(scene, form, true)(rays);
     }
@@ -201,7 +201,8 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, nullptr, nullptr);
-    rtcForEachCompressedPart(geometry, [](void*, const RTCCompressedPart*) { return true; }, nullptr);
+    rtcForEachCompressedPart(geometry, description.startTime, [](void*, const RTCCompressedPart*) { return true; },
+                             nullptr);
   }
   trial.errors = device.errors;
   rtcSaveCompressedGeometry(geometry, copy.c_str());

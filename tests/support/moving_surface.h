@@ -22,7 +22,7 @@ struct MovingTargets
 {
   std::vector<Vec> points;
 
-  MovingTargets(RTCGeometry geometry, float time) { rtcForEachCompressedPartAtTime(geometry, time, add, this); }
+  MovingTargets(RTCGeometry geometry, float time) { rtcForEachCompressedPart(geometry, time, add, this); }
 
   static bool add(void* self, const RTCCompressedPart* part)
   {

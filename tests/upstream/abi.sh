@@ -24,9 +24,9 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 # functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFlattenScene \
   rtcForEachCompressedCluster rtcForEachCompressedPart \
-  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometryCount rtcGetCompressedFileGeometryInfo \
+  rtcForEachCompressedPart rtcGetCompressedFileGeometryCount rtcGetCompressedFileGeometryInfo \
   rtcGetCompressedFileGeometryStatistics \
-  rtcGetCompressedFileWriterGeometryCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
+  rtcGetCompressedFileWriterGeometryCount rtcFindCompressedTriangle rtcFindCompressedTriangle \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
   rtcNewCompressedFileWriter \
   rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile \

@@ -36,7 +36,7 @@ void main ()
   CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u],
                         floatBitsToUint(rays.at[w + 9u]), rays.at[w + 7u]);
 
-  CbvhCandidates found = cbvhNoCandidates(ray);
+  CbvhNearestHit found = cbvhNoHit(ray);
   rayQueryEXT query;
   rayQueryInitializeEXT(query, accelerationStructureEXT(arguments.topLevel), gl_RayFlagsNoneEXT, 0xFFu, origin,
                         ray.tnear, direction, min(ray.tfar, 3.0e38));
@@ -50,7 +50,7 @@ void main ()
   rays.at[w + 8u] = rayQueryGetIntersectionTEXT(query, true);
   rays.at[w + 18u] = uintBitsToFloat(triangleName);
   if (type != gl_RayQueryCommittedIntersectionGeneratedEXT) return;
-  CbvhHit hit = cbvhHitOf(found);
+  CbvhHit hit = cbvhGetHit(found);
   rays.at[w + 8u] = hit.t;
   rays.at[w + 17u] = uintBitsToFloat(hit.primID);
   rays.at[w + 18u] = uintBitsToFloat(hit.geomID);

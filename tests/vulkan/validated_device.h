@@ -126,7 +126,7 @@ inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTC
 {
   RTCVulkanSceneArguments args = {};
   args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
-  args.previous = previous;
+  args.previousScene = previous;
   return VulkanScene(rtcNewVulkanScene(device.get(), scene, &args));
 }
 

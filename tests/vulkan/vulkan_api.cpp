@@ -305,7 +305,7 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
     [&] { EXPECT_FALSE(rtcRecordVulkanRayOrder(nullptr, commands, 16, 80, 1, 16)); },
     [&] { EXPECT_FALSE(rtcRecordVulkanIntersectInOrder(nullptr, commands, 16, 1, 16)); },
     [&] { EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(nullptr, commands, 16, 1, 16)); },
-    [] { rtcSetVulkanSceneRaySort(nullptr, true); },
+    [] { rtcSetVulkanSceneRaySorting(nullptr, true); },
     [] { EXPECT_FALSE(rtcIsVulkanTraceDone(nullptr)); },
     [] { EXPECT_FALSE(rtcWaitVulkanTrace(nullptr, nullptr, nullptr)); }};
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
@@ -389,32 +389,32 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
   EXPECT_EQ(rtcGetVulkanDevices(nullptr, nullptr, 0), count) << "device may be NULL";
 
   for (unsigned i = 0; i < count; i++)
-    for (const std::string& which : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
+    for (const std::string& selector : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
                                      std::string("no such device")}) {
-      EXPECT_EQ(rtcNewVulkanDevice(embree, which.c_str()), nullptr);
-      expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + which + "'", std::to_string(i) + " " + infos[i].name});
+      EXPECT_EQ(rtcNewVulkanDevice(embree, selector.c_str()), nullptr);
+      expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + selector + "'", std::to_string(i) + " " + infos[i].name});
     }
 
   for (unsigned i = 0; i < count; i++) {
-    if (infos[i].unsupported[0]) continue;
+    if (infos[i].unsupportedReason[0]) continue;
     std::string part = std::string(infos[i].name).substr(1, 5);
     std::transform(part.begin(), part.end(), part.begin(), [](unsigned char c) { return char(std::toupper(c)); });
-    for (const std::string& which : {std::to_string(i), std::string(infos[i].name), part}) {
-      const VulkanDevice opened(rtcNewVulkanDevice(embree, which.c_str()));
-      ASSERT_TRUE(opened) << which << ": " << embree.message;
+    for (const std::string& selector : {std::to_string(i), std::string(infos[i].name), part}) {
+      const VulkanDevice opened(rtcNewVulkanDevice(embree, selector.c_str()));
+      ASSERT_TRUE(opened) << selector << ": " << embree.message;
       RTCVulkanDeviceInfo info;
       rtcGetVulkanDeviceInfo(opened.get(), &info);
       const size_t members = offsetof(RTCVulkanDeviceInfo, hasRayQuery) + sizeof(info.hasRayQuery); // without padding
-      EXPECT_TRUE(which != std::to_string(i) || !std::memcmp(&info, &infos[i], members));
-      EXPECT_TRUE(has(info.name, which == part ? part.substr(0, 0) : which) || which == std::to_string(i));
+      EXPECT_TRUE(selector != std::to_string(i) || !std::memcmp(&info, &infos[i], members));
+      EXPECT_TRUE(has(info.name, selector == part ? part.substr(0, 0) : selector) || selector == std::to_string(i));
       RTCVulkanHandles handles;
       rtcGetVulkanDeviceHandles(opened.get(), &handles);
       EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device &&
                   handles.queue);
     }
   }
-  for (const char* which : {"", static_cast<const char*>(nullptr)}) {
-    const VulkanDevice opened(rtcNewVulkanDevice(embree, which));
+  for (const char* selector : {"", static_cast<const char*>(nullptr)}) {
+    const VulkanDevice opened(rtcNewVulkanDevice(embree, selector));
     EXPECT_TRUE(opened) << embree.message;
   }
 }

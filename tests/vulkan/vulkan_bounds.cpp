@@ -79,7 +79,7 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
     ASSERT_TRUE(uploaded) << embree.message;
     std::vector<RTCRayHit> traced = rays, sorted = rays;
     ASSERT_TRUE(trace(uploaded.get(), traced)) << embree.message;
-    rtcSetVulkanSceneRaySort(uploaded.get(), true);
+    rtcSetVulkanSceneRaySorting(uploaded.get(), true);
     ASSERT_TRUE(trace(uploaded.get(), sorted)) << embree.message;
     EXPECT_TRUE(areSame(traced, sorted));
     EXPECT_GT(std::count_if(traced.begin(), traced.end(), isHit), 600);

@@ -98,7 +98,7 @@ TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
   const std::vector<std::string> expected(std::begin(functions), std::end(functions));
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
   expectAll(failEverything(tracing(uploaded, shadowRays, occluded)), expected);
-  rtcSetVulkanSceneRaySort(uploaded.get(), true);
+  rtcSetVulkanSceneRaySorting(uploaded.get(), true);
   std::vector<RTCRayHit> sorted = rays;
   ASSERT_TRUE(trace(uploaded.get(), sorted)) << embree.message;
   EXPECT_TRUE(areSame(sorted, hits));
@@ -114,7 +114,7 @@ TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
     SCOPED_TRACE(function);
     const VulkanScene uploaded = newVulkanScene(device, scene);
     ASSERT_TRUE(uploaded) << embree.message;
-    rtcSetVulkanSceneRaySort(uploaded.get(), true);
+    rtcSetVulkanSceneRaySorting(uploaded.get(), true);
     const Fault fault = faultOf(function);
     const std::map<std::string, size_t> before = faults->live();
     std::vector<RTCRayHit> traced = rays;

@@ -343,10 +343,10 @@ TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
     std::vector<RTCRay> plainAny, sortedAny;
     for (const RTCRayHit& ray : rays) plainAny.push_back(ray.ray);
     sortedAny = plainAny;
-    rtcSetVulkanSceneRaySort(onDevice.get(), false);
+    rtcSetVulkanSceneRaySorting(onDevice.get(), false);
     intersectOnDevice(onDevice, plain);
     occludedOnDevice(onDevice, plainAny);
-    rtcSetVulkanSceneRaySort(onDevice.get(), true);
+    rtcSetVulkanSceneRaySorting(onDevice.get(), true);
     intersectOnDevice(onDevice, sorted);
     occludedOnDevice(onDevice, sortedAny);
     EXPECT_EQ(std::memcmp(plain.data(), sorted.data(), sizeof(RTCRayHit)*count), 0) << count;

@@ -115,7 +115,7 @@ protected:
     for (const std::string& message : validation.messages.take()) ADD_FAILURE() << message;
   }
 
-  VulkanDevice openOwn(const char* which = nullptr) { return VulkanDevice(rtcNewVulkanDevice(embree, which)); }
+  VulkanDevice openOwn(const char* selector = nullptr) { return VulkanDevice(rtcNewVulkanDevice(embree, selector)); }
 
   Validation validation;
 };
@@ -186,8 +186,8 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
   std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
   for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupported, "1.2 is needed")) << info.name;
-  for (const std::string& which : {std::string(), std::string("0"), std::string(infos[0].name)}) {
-    EXPECT_FALSE(openOwn(which.c_str()));
+  for (const std::string& selector : {std::string(), std::string("0"), std::string(infos[0].name)}) {
+    EXPECT_FALSE(openOwn(selector.c_str()));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
     EXPECT_TRUE(has(embree.message, infos[0].name) && has(embree.message, "1.2 is needed")) << embree.message;
   }
@@ -211,9 +211,10 @@ TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices)
     EXPECT_EQ(rtcGetVulkanDevices(embree, infos, 2), 2u);
     EXPECT_TRUE(faults->hasFailed());
     EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
-    EXPECT_TRUE(has(infos[broken].unsupported, "VK_ERROR_INITIALIZATION_FAILED")) << infos[broken].unsupported;
+    EXPECT_TRUE(has(infos[broken].unsupportedReason, "VK_ERROR_INITIALIZATION_FAILED"))
+      << infos[broken].unsupportedReason;
     EXPECT_EQ(infos[broken].name, name);
-    EXPECT_STREQ(infos[1 - broken].unsupported, "");
+    EXPECT_STREQ(infos[1 - broken].unsupportedReason, "");
 
     failOnce();
     EXPECT_TRUE(openOwn()) << embree.message;
@@ -243,7 +244,7 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
   EXPECT_FALSE(infos[0].isDiscrete);
   EXPECT_TRUE(infos[1].isDiscrete);
   // the third and fifth calls belong to the opened device
-  for (const char* which : {"", "discrete", "1"}) {
+  for (const char* selector : {"", "discrete", "1"}) {
     calls = 0;
     faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
       if (calls++) {
@@ -251,7 +252,7 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
         std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete");
       }
     };
-    const VulkanDevice opened = openOwn(which);
+    const VulkanDevice opened = openOwn(selector);
     ASSERT_TRUE(opened) << embree.message;
     RTCVulkanDeviceInfo info;
     rtcGetVulkanDeviceInfo(opened.get(), &info);

@@ -129,7 +129,7 @@ TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
   RTCVulkanTimes times;
   std::vector<RTCRayHit> sorted = rays;
   std::vector<RTCRay> sortedShadowRays = shadowRays;
-  rtcSetVulkanSceneRaySort(uploaded.get(), true);
+  rtcSetVulkanSceneRaySorting(uploaded.get(), true);
   ASSERT_TRUE(trace(uploaded.get(), sorted, &times) && trace(uploaded.get(), sortedShadowRays)) << embree.message;
   EXPECT_TRUE(areSame(sorted, expected));
   EXPECT_TRUE(areSame(sortedShadowRays, occluded));

@@ -60,7 +60,7 @@ int main(int argc, char** argv)
     grids.count = atOpen.grids.size();
     grids.grids = atOpen.grids.data();
     grids.vertices = {atOpen.vertices.size() - 1, sizeof(atOpen.vertices[0]), steps, 2, 0, 1};
-    check(cbvhSetGrids(surface, &grids));
+    check(cbvhSetSurfaceGrids(surface, &grids));
     check(cbvhCommitSurface(surface, nullptr, nullptr));
   } // this frees the vertices
   check(cbvhNewGroup(context, &surface, 1, &group));
@@ -74,7 +74,7 @@ int main(int argc, char** argv)
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
 
-  CbvhStatistics statistics;
+  CbvhGroupStatistics statistics;
   check(cbvhGetGroupStatistics(group, &statistics));
   const double share = writePicture(scene, argc > 1 ? argv[1] : "diced_grids.pgm", 512, 8);
   std::printf("Embree %s: %.2f million moving quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING,

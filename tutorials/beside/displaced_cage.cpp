@@ -49,7 +49,7 @@ int main(int argc, char** argv)
   cage.vertices = {8, sizeof(positions[0]), steps, 1, 0, 0};
   cage.rate = 512;
   cage.displacement = displace;
-  check(cbvhSetCage(surface, &cage));
+  check(cbvhSetSurfaceCage(surface, &cage));
   check(cbvhCommitSurface(surface, nullptr, nullptr));
   check(cbvhNewGroup(context, &surface, 1, &group));
   check(cbvhCommitGroup(group));
@@ -63,7 +63,7 @@ int main(int argc, char** argv)
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
 
-  CbvhStatistics statistics;
+  CbvhGroupStatistics statistics;
   check(cbvhGetGroupStatistics(group, &statistics));
   const double share = writePicture(scene, argc > 1 ? argv[1] : "displaced_cage.pgm", 512, 1);
   std::printf("Embree %s: %.2f million quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING,

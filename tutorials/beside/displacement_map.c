@@ -85,7 +85,7 @@ static void displace(const struct CbvhDisplacementArguments* args)
   float uv[64][2];
   unsigned int first, i;
   for (first = 0; first < args->count; first += 64) {
-    struct CbvhInterpolation points;
+    struct CbvhInterpolationPoints points;
     memset(&points, 0, sizeof(points));
     points.structSize = sizeof(points);
     points.primID = args->primID;
@@ -93,7 +93,7 @@ static void displace(const struct CbvhDisplacementArguments* args)
     points.u = args->u + first;
     points.v = args->v + first;
     points.P = uv[0];
-    check(cbvhInterpolatePoints(map->surface, &points));
+    check(cbvhInterpolateAttributeAtPoints(map->surface, &points));
     for (i = 0; i < points.count; i++) {
       const float height = map->amplitude*(heightAt(map, uv[i][0], uv[i][1]) - 0.5f);
       args->P_x[first + i] += height*args->Ng_x[first + i];
@@ -152,7 +152,7 @@ int main(int argc, char** argv)
   const float* const steps[1] = {positions[0]};
   struct CbvhAttribute uv;
   struct CbvhCage cage;
-  struct CbvhStatistics statistics;
+  struct CbvhGroupStatistics statistics;
   struct HeightMap map;
   CbvhContext context;
   CbvhGroup group;
@@ -183,10 +183,10 @@ int main(int argc, char** argv)
   cage.vertices.numSteps = 1;
   cage.rate = 256;
   cage.displacement = displace;
-  cage.displacementPtr = &map;
+  cage.displacementUserPtr = &map;
   cage.numAttributes = 1;
   cage.attributes = &uv;
-  check(cbvhSetCage(map.surface, &cage));
+  check(cbvhSetSurfaceCage(map.surface, &cage));
   check(cbvhCommitSurface(map.surface, NULL, NULL));
   check(cbvhNewGroup(context, &map.surface, 1, &group));
   check(cbvhCommitGroup(group));

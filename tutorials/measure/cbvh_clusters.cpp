@@ -39,18 +39,19 @@ struct Options
 
 const struct
 {
-  RTCClusterFormat format;
+  RTCCompressedClusterFormat format;
   const char* name;
-} formats[] = {{RTC_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"}, {RTC_CLUSTER_FORMAT_DGF1, "DGF1"}};
+} formats[] = {{RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"},
+               {RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
 /* Clusters stored as floats, by reason: "3 raw, 2 range". */
-std::string describeFloatClusters(const RTCCompressedClusterReport& report)
+std::string describeFloatClusters(const RTCCompressedClusterStatistics& statistics)
 {
   const char* const names[] = {"", "raw", "moving", "range"};
   std::string text;
   for (int reason = 1; reason < 4; reason++)
-    if (report.numClustersOf[reason])
-      text += (text.empty() ? "" : ", ") + std::to_string(report.numClustersOf[reason]) + " " + names[reason];
+    if (statistics.numClustersByReason[reason])
+      text += (text.empty() ? "" : ", ") + std::to_string(statistics.numClustersByReason[reason]) + " " + names[reason];
   return text.empty() ? "0" : text;
 }
 
@@ -80,15 +81,15 @@ size_t measure(const Options& options, Model& model)
   size_t decoded = 0;
   for (const auto& format : formats)
   {
-    RTCCompressedClusterReport report;
+    RTCCompressedClusterStatistics statistics;
     const double seconds = secondsOf(
-      [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &report); });
+      [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &statistics); });
     device.check("making clusters");
-    const double triangles = double(report.numTriangles);
+    const double triangles = double(statistics.numTriangles);
     std::printf("| %s | %.2f | %.2f | %s | %zu | %.1f | %.2f | %.2f | %s | %.1f |", model.name.c_str(),
-                triangles * 1e-6, bytes / triangles, format.name, report.numClusters,
-                triangles / double(report.numClusters), double(report.bytes) / triangles,
-                double(report.indexBytes) / triangles, describeFloatClusters(report).c_str(), seconds);
+                triangles * 1e-6, bytes / triangles, format.name, statistics.numClusters,
+                triangles / double(statistics.numClusters), double(statistics.bytes) / triangles,
+                double(statistics.indexBytes) / triangles, describeFloatClusters(statistics).c_str(), seconds);
     if (options.verify)
     {
       const test::ClusterJudge judge(geometry.get(), 0, format.format);

@@ -264,7 +264,7 @@ public:
     for (unsigned i = 0; i < steps; i++)
     {
       std::vector<Part> parts;
-      rtcForEachCompressedPartAtTime(geometry.get(), steps > 1 ? float(i) / float(steps - 1) : 0, add, &parts);
+      rtcForEachCompressedPart(geometry.get(), steps > 1 ? float(i) / float(steps - 1) : 0, add, &parts);
       std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.name < b.name; });
       for (const Part& part : parts)
         all.insert(all.end(), part.vertices.begin(), part.vertices.end());

@@ -23,7 +23,7 @@ std::string chooseDevice()
   RTCVulkanDeviceInfo infos[16];
   const unsigned count = std::min(rtcGetVulkanDevices(nullptr, infos, 16), 16u);
   for (unsigned i = 0; i < count; i++)
-    if (!infos[i].unsupported[0] && std::strncmp(infos[i].name, "llvmpipe", 8) != 0)
+    if (!infos[i].unsupportedReason[0] && std::strncmp(infos[i].name, "llvmpipe", 8) != 0)
       return "vulkan:" + std::to_string(i);
   return "cpu";
 }

@@ -56,7 +56,7 @@ class Mesh(ctypes.Structure):
 
 
 class Statistics(ctypes.Structure):
-    """CbvhStatistics"""
+    """CbvhGroupStatistics"""
 
     _fields_ = [
         ("struct_size", ctypes.c_size_t),
@@ -76,8 +76,8 @@ def library():
     arguments = {
         "cbvhNewContext": [ctypes.c_char_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.POINTER(HANDLE)],
         "cbvhNewSurface": [HANDLE, ctypes.POINTER(HANDLE)],
-        "cbvhSetMesh": [HANDLE, ctypes.POINTER(Mesh)],
-        "cbvhSetLossless": [HANDLE, ctypes.c_int],
+        "cbvhSetSurfaceMesh": [HANDLE, ctypes.POINTER(Mesh)],
+        "cbvhSetSurfaceLossless": [HANDLE, ctypes.c_int],
         "cbvhCommitSurface": [HANDLE, ctypes.c_void_p, ctypes.c_void_p],
         "cbvhNewGroup": [HANDLE, ctypes.POINTER(HANDLE), ctypes.c_size_t, ctypes.POINTER(HANDLE)],
         "cbvhCommitGroup": [HANDLE],
@@ -130,8 +130,8 @@ class CompressedMesh:
         api.cbvhNewContext(None, None, None, ctypes.byref(context))
         try:
             api.cbvhNewSurface(context, ctypes.byref(surface))
-            api.cbvhSetMesh(surface, mesh)
-            api.cbvhSetLossless(surface, 1)
+            api.cbvhSetSurfaceMesh(surface, mesh)
+            api.cbvhSetSurfaceLossless(surface, 1)
             api.cbvhCommitSurface(surface, None, None)
             api.cbvhNewGroup(context, ctypes.byref(surface), 1, ctypes.byref(self.group))
             weakref.finalize(self, api.cbvhReleaseGroup, self.group)

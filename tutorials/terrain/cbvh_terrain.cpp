@@ -53,16 +53,16 @@ public:
     surfaces.push_back(nullptr);
     check(cbvhNewSurface(context, &surfaces.back()));
     if (accuracy.maxError > 0)
-      check(cbvhSetAccuracy(surfaces.back(), &accuracy));
+      check(cbvhSetSurfaceAccuracy(surfaces.back(), &accuracy));
     else
-      check(cbvhSetLossless(surfaces.back(), 1));
+      check(cbvhSetSurfaceLossless(surfaces.back(), 1));
     const CbvhGrid grid = {0, unsigned(tile.width), (unsigned short)tile.width, (unsigned short)tile.height};
     const float* const steps[1] = {&tile.vertices[0].x};
     CbvhGrids grids = CbvhGrids();
     grids.count = 1;
     grids.grids = &grid;
     grids.vertices = {tile.vertices.size() - 1, sizeof(Vec3f), steps, 1, 0, 0};
-    check(cbvhSetGrids(surfaces.back(), &grids));
+    check(cbvhSetSurfaceGrids(surfaces.back(), &grids));
     check(cbvhCommitSurface(surfaces.back(), nullptr, nullptr));
   }
 
@@ -83,7 +83,7 @@ private:
   std::vector<CbvhSurface> surfaces;
   CbvhGroup group = nullptr;
   CbvhAccuracy accuracy{};
-  CbvhStatistics statistics{};
+  CbvhGroupStatistics statistics{};
 };
 
 template<typename Terrain>

@@ -122,11 +122,11 @@ void Substituted::buildSurface(const Progress& progress)
   const CbvhContext context = contextOf(settings);
   const auto check = [](CbvhError error) { if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText()); };
   check(cbvhNewSurface(context, &surface));
-  if (options().maxError == 0) check(cbvhSetLossless(surface, 1));
+  if (options().maxError == 0) check(cbvhSetSurfaceLossless(surface, 1));
   if (options().maxError > 0) {
     CbvhAccuracy accuracy = CbvhAccuracy();
     accuracy.maxError = options().maxError;
-    check(cbvhSetAccuracy(surface, &accuracy));
+    check(cbvhSetSurfaceAccuracy(surface, &accuracy));
   }
   input.applyTo(surface);
   const auto reportProgress = [](void* progress, double done) { return (*(const Progress*)progress)(done) ? 1 : 0; };

@@ -88,8 +88,8 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   }
   result.steps = steps.data();
   result.numSteps = numTimeSteps;
-  result.begin = startTime;
-  result.end = endTime;
+  result.startTime = startTime;
+  result.endTime = endTime;
   return result;
 }
 
@@ -142,9 +142,9 @@ void Input::applyCage(CbvhSurface surface) const
   cage.holes = holes.data;
   if (displacement) {
     cage.displacement = displace;
-    cage.displacementPtr = (void*)this;
+    cage.displacementUserPtr = (void*)this;
   }
-  check(cbvhSetCage(surface, &cage));
+  check(cbvhSetSurfaceCage(surface, &cage));
 }
 
 void Input::applyGrids(CbvhSurface surface) const
@@ -157,7 +157,7 @@ void Input::applyGrids(CbvhSurface surface) const
   grids.grids = packed.data;
   grids.vertices = vertices(steps);
   if (grids.count == 0) throw Unsupported("it has no grids");
-  check(cbvhSetGrids(surface, &grids));
+  check(cbvhSetSurfaceGrids(surface, &grids));
 }
 
 void Input::applyMesh(CbvhSurface surface) const
@@ -179,7 +179,7 @@ void Input::applyMesh(CbvhSurface surface) const
   }
   if (mesh.count == 0) throw Unsupported("it has no quads or triangles");
   mesh.vertices = vertices(steps);
-  check(cbvhSetMesh(surface, &mesh));
+  check(cbvhSetSurfaceMesh(surface, &mesh));
 }
 
 } // namespace interposer

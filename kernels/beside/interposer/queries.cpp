@@ -50,7 +50,7 @@ RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
  * query.context to the FilteredContext: `query` must be the first member. */
 struct FilteredContext
 {
-  CbvhQueryContext query;
+  CbvhFilterContext query;
   RTCRayQueryContext* context;   // the application's, which can be longer than this type
   const SubstituteData* data;
   RTCFilterFunctionN geometryFilter, argumentsFilter;
@@ -67,7 +67,7 @@ void filter(const RTCFilterFunctionNArguments* args)
   if (*changed.valid && filtered.argumentsFilter) filtered.argumentsFilter(&changed);
 }
 
-/* Traces the group of a substitute. function: cbvhIntersectGeometry or cbvhOccludedGeometry. */
+/* Traces the group of a substitute. function: cbvhInternalIntersect or cbvhInternalOccluded. */
 template<typename Function, typename Arguments>
 void call(const Function& function, const Arguments* args, const SubstituteData& data,
   RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter)
@@ -78,7 +78,7 @@ void call(const Function& function, const Arguments* args, const SubstituteData&
   if (!geometryFilter && !argumentsFilter) { function(&changed, 0); return; }
   FilteredContext filtered = {{*args->context, filter}, args->context, &data, geometryFilter, argumentsFilter};
   changed.context = &filtered.query.context;
-  function(&changed, CBVH_GEOMETRY_CONTEXT_FILTERS);
+  function(&changed, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
 /* --- callbacks -------------------------------------------------------------------------------- */
@@ -87,21 +87,21 @@ void computeBounds(const RTCBoundsFunctionArguments* args)
 {
   RTCBoundsFunctionArguments changed = *args;
   changed.geometryUserPtr = ((const SubstituteData*)args->geometryUserPtr)->group;
-  if (changed.geometryUserPtr) { cbvhBoundGeometry(&changed); return; }
+  if (changed.geometryUserPtr) { cbvhInternalBounds(&changed); return; }
   *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args)
 {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  call(cbvhIntersectGeometry, args, data, data.intersectFilter,
+  call(cbvhInternalIntersect, args, data, data.intersectFilter,
     filterOfArguments<RTCIntersectArguments>(data));
 }
 
 void occluded(const RTCOccludedFunctionNArguments* args)
 {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  call(cbvhOccludedGeometry, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
+  call(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
 /* Replace the application's functions for user geometry in a query's arguments. They call these functions for all

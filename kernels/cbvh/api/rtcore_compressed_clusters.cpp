@@ -15,28 +15,30 @@ namespace
 {
   using cbvh::ClusterFormat;
   using cbvh::ClusterReason;
-  static_assert(int(ClusterFormat::COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1
-      && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
-  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_REASON_RAW
-    && int(ClusterReason::MOVING) == RTC_CLUSTER_REASON_MOVING
-      && int(ClusterReason::RANGE) == RTC_CLUSTER_REASON_OUT_OF_RANGE,"reasons");
+  static_assert(int(ClusterFormat::COMPRESSED1) == RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1
+      && int(ClusterFormat::DGF1) == RTC_COMPRESSED_CLUSTER_FORMAT_DGF1,"formats");
+  static_assert(int(ClusterReason::FLOATS) == RTC_COMPRESSED_CLUSTER_REASON_FLOATS
+    && int(ClusterReason::MOVING) == RTC_COMPRESSED_CLUSTER_REASON_MOVING
+      && int(ClusterReason::OUT_OF_RANGE) == RTC_COMPRESSED_CLUSTER_REASON_OUT_OF_RANGE,"reasons");
 }
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enum RTCClusterFormat format,
+RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enum RTCCompressedClusterFormat format,
                                           RTCCompressedClusterFunction function, void* userPtr,
-                                          struct RTCCompressedClusterReport* report)
+                                          struct RTCCompressedClusterStatistics* statistics)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   const Ref<Geometry> held(geometry); // the function may release the application's reference
   RTC_CATCH_BEGIN;
   requireNotNull(geometry,"geometry");
-  if (report) core::requireStruct(report);
+  if (statistics) core::requireStruct(statistics);
   int value; // memcpy, because a value outside of the enumeration would be undefined behavior
   memcpy(&value,&format,sizeof(value));
-  cbvh::ClusterReport sums;
-  auto finish = [&] { if (report) core::writeStruct(report,cbvh::reportAs<RTCCompressedClusterReport>(sums)); };
+  cbvh::ClusterStatistics sums;
+  auto finish = [&] {
+    if (statistics) core::writeStruct(statistics,cbvh::statisticsAs<RTCCompressedClusterStatistics>(sums));
+  };
   try {
     core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
         if (!function) return true;

@@ -141,8 +141,8 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   to.compression = from.compression;
   to.primitiveCount = from.primitiveCount;
   to.timeStepCount = from.timeStepCount;
-  to.begin = from.begin;
-  to.end = from.end;
+  to.startTime = from.begin;
+  to.endTime = from.end;
   std::copy_n(from.lower,3,to.lower);
   std::copy_n(from.upper,3,to.upper);
   to.bytes = from.bytes;

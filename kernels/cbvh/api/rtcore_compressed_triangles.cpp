@@ -11,15 +11,10 @@
 
 using namespace embree;
 
-namespace
-{
-  float firstTime (RTCGeometry geometry) { return geometry ? core::firstTime((Geometry*)geometry) : 0.0f; }
-}
-
 RTC_NAMESPACE_BEGIN;
 
-RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, unsigned int primID, float u, float v,
-                                             const float* Ng, struct RTCCompressedTriangle* triangle)
+RTC_API bool rtcFindCompressedTriangle (RTCGeometry hgeometry, float time, unsigned int primID, float u, float v,
+                                        const float* Ng, struct RTCCompressedTriangle* triangle)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
@@ -34,8 +29,8 @@ RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, 
   return false;
 }
 
-RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, RTCCompressedPartFunction function,
-                                             void* userPtr)
+RTC_API void rtcForEachCompressedPart (RTCGeometry hgeometry, float time, RTCCompressedPartFunction function,
+                                       void* userPtr)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   const Ref<Geometry> held(geometry); // the function may release the application's reference
@@ -47,15 +42,6 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
       return function(userPtr,&publicPart);
     });
   RTC_CATCH_END2(geometry);
-}
-
-RTC_API bool rtcGetCompressedTriangle (RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
-                                       struct RTCCompressedTriangle* triangle) {
-  return rtcGetCompressedTriangleAtTime(geometry,firstTime(geometry),primID,u,v,Ng,triangle);
-}
-
-RTC_API void rtcForEachCompressedPart (RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr) {
-  rtcForEachCompressedPartAtTime(geometry,firstTime(geometry),function,userPtr);
 }
 
 RTC_NAMESPACE_END

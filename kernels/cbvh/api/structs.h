@@ -22,7 +22,7 @@ namespace embree
     CBVH_EXTENSIBLE_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_EXTENSIBLE_STRUCT(RTCCompressedFileGeometryInfo,bytes);
     CBVH_EXTENSIBLE_STRUCT(RTCDicingArguments,maxRates);
-    CBVH_EXTENSIBLE_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
+    CBVH_EXTENSIBLE_STRUCT(RTCCompressedClusterStatistics,numTrianglesByReason);
   }
 
   /*! Throws RTC_ERROR_INVALID_ARGUMENT if a pointer argument is null. name: of the argument. */

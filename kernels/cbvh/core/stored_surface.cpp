@@ -44,15 +44,15 @@ namespace embree
 
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
         const std::function<bool(const cbvh::StoredCluster&)>& closure,
-                         cbvh::ClusterReport& report)
+                         cbvh::ClusterStatistics& statistics)
     {
-      report = cbvh::ClusterReport();
+      statistics = cbvh::ClusterStatistics();
       const HeldBlocks held(geometry);
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
                        "unknown cluster format " + std::to_string(int(format)));
-      cbvh::forEachCluster(*held.blocks,traversalTime(geometry,time),format,closure,report);
+      cbvh::forEachCluster(*held.blocks,traversalTime(geometry,time),format,closure,statistics);
     }
   }
 }

@@ -26,7 +26,7 @@ namespace embree
     /*! Time of the first time step, 0 for geometry that does not move. */
     float firstTime (Geometry* geometry);
 
-    /*! As rtcGetCompressedTriangleAtTime: finds the triangle of a hit. Ng: 3 floats, or null. triangle: set if the
+    /*! As rtcFindCompressedTriangle: finds the triangle of a hit. Ng: 3 floats, or null. triangle: set if the
      *  result is true. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block,
      *  plus 4 per primitive of a quad or triangle mesh. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
@@ -37,9 +37,9 @@ namespace embree
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
     /*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
-     *  returns false. report: set to sums over the clusters, even after an error. */
+     *  returns false. statistics: set to sums over the clusters, even after an error. */
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
         const std::function<bool(const cbvh::StoredCluster&)>& closure,
-                         cbvh::ClusterReport& report);
+                         cbvh::ClusterStatistics& statistics);
   }
 }

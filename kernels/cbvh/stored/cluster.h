@@ -25,10 +25,10 @@ namespace embree
     /*! Why a cluster is returned as floats. */
     enum class ClusterReason : int
     {
-      FITS = 0,   //!< it is not, unless floats were requested
-      RAW = 1,    //!< the block stores floats, or as many bits
-      MOVING = 2, //!< vertices are interpolated between time steps, or the block is a moving mesh block
-      RANGE = 3   //!< the lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
+      NONE = 0,        //!< it is not, unless floats were requested
+      FLOATS = 1,      //!< the block stores floats, or as many bits
+      MOVING = 2,      //!< vertices are interpolated between time steps, or the block is a moving mesh block
+      OUT_OF_RANGE = 3 //!< the lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
     };
     enum { numClusterReasons = 4 };
 
@@ -43,7 +43,7 @@ namespace embree
       const uint8_t* indices;      //!< three per triangle; for DGF in a decoder's order
       /*! Per triangle, its number in the part: 2 ((part->width-1) y + x) for the first triangle of quad x, y, plus 1
        *  for the second. */
-      const uint32_t* triangles;
+      const uint32_t* triangleNumbers;
       /*! Number of triangles in all previous clusters; the first primitive index of a DGF block. */
       uint32_t firstTriangle;
       /*! Size in vertices if the cluster is a whole grid, stored row by row. Grids of the same size have the same
@@ -53,14 +53,14 @@ namespace embree
     };
 
     /*! Sums over the clusters of a call. */
-    struct ClusterReport
+    struct ClusterStatistics
     {
       size_t numClusters = 0, numTriangles = 0;
       size_t numVertices = 0;      //!< counts a vertex in each cluster that has it
       size_t bytes = 0;
       size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and DGF
-      size_t numClustersOf[numClusterReasons] = {};  //!< by ClusterReason
-      size_t numTrianglesOf[numClusterReasons] = {}; //!< by ClusterReason
+      size_t numClustersByReason[numClusterReasons] = {};  //!< by ClusterReason
+      size_t numTrianglesByReason[numClusterReasons] = {}; //!< by ClusterReason
     };
 
     /*! Cluster: struct of a public interface with the same members in the same order. part: must outlive the result. */
@@ -68,24 +68,24 @@ namespace embree
     Cluster clusterAs (const StoredCluster& cluster, const Part& part)
     {
       return Cluster{ decltype(Cluster::format)(cluster.format),decltype(Cluster::reason)(cluster.reason),
-          cluster.numVertices,cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangles,
+          cluster.numVertices,cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangleNumbers,
           cluster.firstTriangle,cluster.width,cluster.height,&part };
     }
 
-    /*! Report: struct of a public interface with members of the same names. */
-    template<typename Report>
-    Report reportAs (const ClusterReport& report)
+    /*! Statistics: struct of a public interface with members of the same names. */
+    template<typename Statistics>
+    Statistics statisticsAs (const ClusterStatistics& statistics)
     {
-      Report to = Report();
-      static_assert(sizeof(to.numClustersOf) == sizeof(report.numClustersOf)
-          && sizeof(to.numTrianglesOf) == sizeof(report.numTrianglesOf),"one sum per reason");
-      to.numClusters = report.numClusters;
-      to.numTriangles = report.numTriangles;
-      to.numVertices = report.numVertices;
-      to.bytes = report.bytes;
-      to.indexBytes = report.indexBytes;
-      std::copy_n(report.numClustersOf,size_t(numClusterReasons),to.numClustersOf);
-      std::copy_n(report.numTrianglesOf,size_t(numClusterReasons),to.numTrianglesOf);
+      Statistics to = Statistics();
+      static_assert(sizeof(to.numClustersByReason) == sizeof(statistics.numClustersByReason)
+          && sizeof(to.numTrianglesByReason) == sizeof(statistics.numTrianglesByReason),"one sum per reason");
+      to.numClusters = statistics.numClusters;
+      to.numTriangles = statistics.numTriangles;
+      to.numVertices = statistics.numVertices;
+      to.bytes = statistics.bytes;
+      to.indexBytes = statistics.indexBytes;
+      std::copy_n(statistics.numClustersByReason,size_t(numClusterReasons),to.numClustersByReason);
+      std::copy_n(statistics.numTrianglesByReason,size_t(numClusterReasons),to.numTrianglesByReason);
       return to;
     }
   }

@@ -20,18 +20,19 @@ namespace embree
       {
       public:
         ClusterBuilder (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure,
-                        ClusterReport& report)
-          : format(format), closure(closure), report(report) {}
+                        ClusterStatistics& statistics)
+          : format(format), closure(closure), statistics(statistics) {}
 
         /*! Divides a part into clusters. Returns false if the closure returned false. */
         bool build (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          reasonForFloats = block.isMesh() ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::RANGE
-              : !block.isVert() ? ClusterReason::RAW
+          reasonForFloats = block.isMesh()
+              ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::OUT_OF_RANGE
+              : !block.isVert() ? ClusterReason::FLOATS
               : isMoving(block.vert()->info) ? ClusterReason::MOVING
-              : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::RAW
-              : ClusterReason::RANGE;
+              : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::FLOATS
+              : ClusterReason::OUT_OF_RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {
             bool shouldContinue = true;
@@ -67,7 +68,7 @@ namespace embree
         /*! Emits a square in COMPRESSED1 if it was requested and is possible, otherwise as floats. */
         bool emitVertices (const QuadRectangle& square)
         {
-          if (format == ClusterFormat::FLOAT3) return emitFloats(square,ClusterReason::FITS);
+          if (format == ClusterFormat::FLOAT3) return emitFloats(square,ClusterReason::NONE);
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
           LatticeSpan span;
@@ -76,7 +77,7 @@ namespace embree
           if (span.isEmpty() || !span.fits()) return emitFloats(square,reasonForFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
           const size_t bytes = writeCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
-          return emit(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
+          return emit(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::NONE,bytes);
         }
 
         bool emitFloats (const QuadRectangle& square, ClusterReason reason)
@@ -115,10 +116,10 @@ namespace embree
             const uint32_t v = triangles.vertices[i], x = v % (piece.width+1), y = v / (piece.width+1);
             triangles.vertices[i] = (piece.y-rect.y+y)*points.width + piece.x-rect.x+x;
           }
-          if (report.numTriangles + triangles.numTriangles > dgf::maxPrimitives)
+          if (statistics.numTriangles + triangles.numTriangles > dgf::maxPrimitives)
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has too many triangles for DGF: expected at most "
                            "2^29, because primitive indices of DGF have 29 bits");
-          if (!block.write(triangles,points,uint32_t(report.numTriangles)))
+          if (!block.write(triangles,points,uint32_t(statistics.numTriangles)))
           {
             /* The tiling assumes that no triangle is missing. Otherwise the piece may need more strips of triangles
              * than fit: halve it. */
@@ -133,7 +134,7 @@ namespace embree
           triangles.numVertices = block.numVertices;
           memcpy(triangles.indices,block.indices,3*triangles.numTriangles);
           memcpy(data,block.bytes,sizeof(block.bytes));
-          return emit(piece,triangles,ClusterFormat::DGF1,ClusterReason::FITS,sizeof(block.bytes));
+          return emit(piece,triangles,ClusterFormat::DGF1,ClusterReason::NONE,sizeof(block.bytes));
         }
 
         bool emit (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
@@ -147,25 +148,25 @@ namespace embree
           cluster.data = data;
           cluster.bytes = bytes;
           cluster.indices = triangles.indices[0];
-          cluster.triangles = triangles.triangles;
-          cluster.firstTriangle = unsigned(report.numTriangles);
+          cluster.triangleNumbers = triangles.triangles;
+          cluster.firstTriangle = unsigned(statistics.numTriangles);
           if (triangles.isComplete) { cluster.width = square.width+1; cluster.height = square.height+1; }
           cluster.part = part;
-          report.numClusters++;
-          report.numTriangles += cluster.numTriangles;
-          report.numVertices += cluster.numVertices;
-          report.bytes += bytes;
-          if (!triangles.isComplete && format != ClusterFormat::DGF1) report.indexBytes += 3*cluster.numTriangles;
-          report.numClustersOf[int(reason)]++;
-          report.numTrianglesOf[int(reason)] += cluster.numTriangles;
+          statistics.numClusters++;
+          statistics.numTriangles += cluster.numTriangles;
+          statistics.numVertices += cluster.numVertices;
+          statistics.bytes += bytes;
+          if (!triangles.isComplete && format != ClusterFormat::DGF1) statistics.indexBytes += 3*cluster.numTriangles;
+          statistics.numClustersByReason[int(reason)]++;
+          statistics.numTrianglesByReason[int(reason)] += cluster.numTriangles;
           return closure(cluster);
         }
 
         const ClusterFormat format;
         const std::function<bool(const StoredCluster&)>& closure;
-        ClusterReport& report;
+        ClusterStatistics& statistics;
         const StoredPart* part = nullptr;
-        ClusterReason reasonForFloats = ClusterReason::FITS; //!< why clusters of this block may need floats
+        ClusterReason reasonForFloats = ClusterReason::NONE; //!< why clusters of this block may need floats
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];
@@ -176,9 +177,9 @@ namespace embree
     }
 
     void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
-                         const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
+                         const std::function<bool(const StoredCluster&)>& closure, ClusterStatistics& statistics)
     {
-      const std::unique_ptr<ClusterBuilder> builder(new ClusterBuilder(format,closure,report));
+      const std::unique_ptr<ClusterBuilder> builder(new ClusterBuilder(format,closure,statistics));
       forEachPart(blocks,time,[&](const StoredBlock& block, const StoredPart& part) {
           return builder->build(block,part);
         });

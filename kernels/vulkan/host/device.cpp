@@ -80,11 +80,11 @@ Code codeOf(Query query, bool usesRayQuery, bool hasFloat64)
 
 } // namespace
 
-Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(), vulkanInstance(new VulkanInstance)
+Device::Device(RTCDevice embree, const char* selector) : embree(embree), handles(), vulkanInstance(new VulkanInstance)
 {
   handles.getInstanceProcAddr = vulkanInstance->getInstanceProcAddr;
   handles.instance = vulkanInstance->instance;
-  handles.physicalDevice = chooseDevice(*vulkanInstance, which ? which : "");
+  handles.physicalDevice = chooseDevice(*vulkanInstance, selector ? selector : "");
   instanceFunctions = vulkanInstance->vk;
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
   handles.device = createDevice(instanceFunctions, handles.physicalDevice, capabilities);
@@ -108,9 +108,9 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles)
 {
   instanceFunctions = InstanceFunctions(handles.getInstanceProcAddr, handles.instance);
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
-  if (capabilities.info.unsupported[0])
+  if (capabilities.info.unsupportedReason[0])
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name
-                      + " cannot be used: " + capabilities.info.unsupported);
+                      + " cannot be used: " + capabilities.info.unsupportedReason);
   auto checkEnabled = [&](bool isEnabled, bool isPresent, const char* name, const char* member) {
     if (isEnabled && !isPresent)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + member + ": the Vulkan device "

@@ -50,8 +50,8 @@ private:
 class Device : public RefCounted
 {
 public:
-  /* Opens a device. which: see rtcNewVulkanDevice. */
-  Device(RTCDevice embree, const char* which);
+  /* Opens a device. selector: see rtcNewVulkanDevice. */
+  Device(RTCDevice embree, const char* selector);
 
   /* Uses a device that the application opened and continues to own. */
   Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles);

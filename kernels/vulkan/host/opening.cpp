@@ -168,7 +168,7 @@ static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice devic
       out.info.memoryBytes = std::max(out.info.memoryBytes, size_t(out.memory.memoryHeaps[i].size));
   out.info.isDiscrete = out.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
   if (out.properties.apiVersion < VK_API_VERSION_1_2) {
-    setText(out.info.unsupported,
+    setText(out.info.unsupportedReason,
             "its driver has Vulkan " + versionText(out.properties.apiVersion) + ", 1.2 is needed");
     return;
   }
@@ -226,7 +226,7 @@ static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice devic
     }
   if (out.computeFamily == ~0u)
     missing += std::string(missing.empty() ? "" : ", and ") + "it has no queue that computes";
-  setText(out.info.unsupported, missing);
+  setText(out.info.unsupportedReason, missing);
 }
 
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device)
@@ -242,18 +242,18 @@ Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device)
   try { readCapabilities(vk, device, out); }
   catch (const VulkanError& error) {
     out.driverError = error.code;
-    setText(out.info.unsupported, std::string("its driver failed: ") + error.what());
+    setText(out.info.unsupportedReason, std::string("its driver failed: ") + error.what());
   }
   return out;
 }
 
-VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which)
+VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& selector)
 {
   const std::vector<VkPhysicalDevice> devices = vulkan.devices();
   if (devices.empty())
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan finds no device on this machine "
                                                  "(Debian: mesa-vulkan-drivers, or the vendor's driver)");
-  const bool isIndex = !which.empty() && which.find_first_not_of("0123456789") == std::string::npos;
+  const bool isIndex = !selector.empty() && selector.find_first_not_of("0123456789") == std::string::npos;
   std::string known, unsupported;
   VkPhysicalDevice best = VK_NULL_HANDLE;
   bool isBestDiscrete = false;
@@ -262,11 +262,11 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& w
   {
     const Capabilities c = examineDevice(vulkan.vk, devices[i]);
     known += (known.empty() ? "" : ", ") + std::to_string(i) + " " + c.info.name;
-    const bool fits = isIndex ? std::to_string(i) == which
-                              : lowerCase(c.info.name).find(lowerCase(which)) != std::string::npos;
+    const bool fits = isIndex ? std::to_string(i) == selector
+                              : lowerCase(c.info.name).find(lowerCase(selector)) != std::string::npos;
     if (!fits) continue;
-    if (c.info.unsupported[0]) {
-      unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupported;
+    if (c.info.unsupportedReason[0]) {
+      unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupportedReason;
       unsupportedError = c.driverError != RTC_ERROR_NONE ? c.driverError : RTC_ERROR_UNSUPPORTED_CPU;
       continue;
     }
@@ -276,7 +276,7 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& w
   }
   if (best) return best;
   if (!unsupported.empty()) throw VulkanError(unsupportedError, "the Vulkan device " + unsupported);
-  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "there is no Vulkan device '" + which + "', there are: " + known);
+  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "there is no Vulkan device '" + selector + "', there are: " + known);
 }
 
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, const Capabilities& capabilities)

@@ -58,8 +58,8 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
  * devices. */
 Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Throws VulkanError if there is no such device. `which`: see rtcNewVulkanDevice. */
-VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which);
+/* Throws VulkanError if there is no such device. selector: see rtcNewVulkanDevice. */
+VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& selector);
 
 /* Creates a device with one compute queue and the required features. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);

@@ -147,10 +147,10 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
   return count;
 }
 
-RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* which)
+RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* selector)
 {
   Device* device = nullptr;
-  guarded(embree, [&]() { device = new Device(embree, which); });
+  guarded(embree, [&]() { device = new Device(embree, selector); });
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
 
@@ -211,7 +211,7 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from,
                         "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
     SceneOptions options;
     options.memory = RTCVulkanMemory(memory);
-    options.previous = sceneOf(args.previous);
+    options.previousScene = sceneOf(args.previousScene);
     if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
                         "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
@@ -221,9 +221,9 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from,
                         std::string("the Vulkan device ") + deviceOf(device)->capabilities.info.name
                         + " has no ray queries, or they are not enabled (VK_KHR_acceleration_structure, "
                           "VK_KHR_ray_query)");
-    if (options.previous &&
-        (!options.usesRayQuery || !options.previous->usesRayQuery || &options.previous->device != deviceOf(device)))
-      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previous: it is not for ray queries, or of another "
+    const Scene* const previous = options.previousScene;
+    if (previous && (!options.usesRayQuery || !previous->usesRayQuery || &previous->device != deviceOf(device)))
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previousScene: it is not for ray queries, or of another "
                                                     "device, or the scene is not for ray queries");
     scene = new Scene(*deviceOf(device), from, options);
   });
@@ -330,7 +330,7 @@ RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffe
   return record(scene, ANY_HIT, commands, rays, count, order);
 }
 
-RTC_API void rtcSetVulkanSceneRaySort(RTCVulkanScene scene, bool enabled)
+RTC_API void rtcSetVulkanSceneRaySorting(RTCVulkanScene scene, bool enabled)
 {
   guarded(embreeOf(scene), [&]() { require(scene, "scene"); sceneOf(scene)->sortsRays = enabled; });
 }

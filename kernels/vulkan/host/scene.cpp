@@ -414,7 +414,8 @@ private:
     data.leaves = writeArray(leaves.data(), leaves.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     if (out.usesRayQuery) {
-      QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
+      QueryStructuresBuilder builder(device, uploader,
+                                     options.previousScene ? &options.previousScene->structures : nullptr);
       addLevelsAndInstances(builder);
       data.placed
         = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "placed boxes").address();

@@ -16,7 +16,7 @@ struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
   bool usesRayQuery = false;              // trace by ray queries
-  class Scene* previous = nullptr;   // scene before an edit, whose acceleration structures are updated, or NULL
+  class Scene* previousScene = nullptr;   // scene before an edit, whose acceleration structures are updated, or NULL
 };
 
 class Scene : public RefCounted

@@ -14,7 +14,7 @@ namespace embree { namespace core {
 
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanHandles, hasRayQuery);
-CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneArguments, previous);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneArguments, previousScene);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanTimes, sortSeconds);
 

@@ -32,7 +32,7 @@
  *
  * or with your own top level, which contains your triangles and the instances from rtcGetVulkanSceneInstances:
  *
- *   CbvhCandidates found = cbvhNoCandidates(ray);
+ *   CbvhNearestHit found = cbvhNoHit(ray);
  *   rayQueryEXT query;
  *   rayQueryInitializeEXT(query, topLevel, gl_RayFlagsNoneEXT, 0xFFu, ray.origin, ray.tnear, ray.direction, ray.tfar);
  *   while (rayQueryProceedEXT(query))
@@ -40,7 +40,7 @@
  *       cbvhIntersectCandidate(query, scene, ray, found);
  *     else rayQueryConfirmIntersectionEXT(query);
  *   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionGeneratedEXT)
- *     hit = cbvhHitOf(found);
+ *     hit = cbvhGetHit(found);
  */
 
 #ifndef CBVH_GLSL

@@ -26,7 +26,7 @@ struct CbvhRay
 };
 
 /* A ray with all bits of the mask, at time 0. */
-CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) {
+CbvhRay cbvhMakeRay (vec3 origin, float tnear, vec3 direction, float tfar) {
   return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
 }
 

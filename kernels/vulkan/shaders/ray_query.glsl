@@ -13,21 +13,21 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cbv
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
 /* The nearest hit so far. */
-struct CbvhCandidates
+struct CbvhNearestHit
 {
   CbvhHit hit;
   vec2 framed;              // see cbvhReport
   CbvhVertNearest nearest;
 };
 
-CbvhCandidates cbvhNoCandidates (CbvhRay ray)
+CbvhNearestHit cbvhNoHit (CbvhRay ray)
 {
   CbvhHit none = CbvhHit(ray.tfar, 0.0, 0.0, vec3(0.0), CBVH_NONE, CBVH_NONE, CBVH_NONE);
-  return CbvhCandidates(none, vec2(-1.0), cbvhNoVertNearest());
+  return CbvhNearestHit(none, vec2(-1.0), cbvhNoVertNearest());
 }
 
 /* Returns the nearest hit. Call it after intersecting all candidates. */
-CbvhHit cbvhHitOf (CbvhCandidates found)
+CbvhHit cbvhGetHit (CbvhNearestHit found)
 {
   CbvhHit hit = found.hit;
   if (hit.t == found.framed.x) hit.t = found.framed.y;
@@ -49,7 +49,7 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 
 /* Intersects the leaf of a box. address: of the scene. placed: custom index of the instance. box: index of the
  * primitive. ray: in the scene's space. */
-bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
+bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhNearestHit found)
 {
   if (!cbvhMayHit(ray)) return false;
   SceneData scene = CbvhSceneAt(address).scene;
@@ -73,7 +73,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
 
 /* Intersects the query's current candidate, which must be a box of the scene. ray: the query's ray, transformed to the
  * scene's space if your top level transforms the scene. */
-void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout CbvhCandidates found)
+void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout CbvhNearestHit found)
 {
   if (rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT)
     found.hit.t = min(found.hit.t, rayQueryGetIntersectionTEXT(query, true));
@@ -86,7 +86,7 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
  * without rounding, because drivers may not support extreme lengths. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
-  CbvhCandidates found = cbvhNoCandidates(ray);
+  CbvhNearestHit found = cbvhNoHit(ray);
   hit = found.hit;
   vec3 size = abs(ray.direction);
   uint exponent = floatBitsToUint(max(size.x, max(size.y, size.z))) >> 23;
@@ -109,7 +109,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
     rayQueryGenerateIntersectionEXT(query, clamp(found.hit.t*unit, tmin, tmax));
     if (anyHit) rayQueryTerminateEXT(query);
   }
-  hit = cbvhHitOf(found);
+  hit = cbvhGetHit(found);
   return isHit;
 }
 
