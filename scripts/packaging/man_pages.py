@@ -41,6 +41,7 @@ STRUCT_SIZE = (
 )
 SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 FIRST_VERSION = "0.9.0"
+SECOND_VERSION = "1.0.0"  # the next release
 FUNCTIONS_OF_FIRST_VERSION = frozenset(
     """
     rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcGetVulkanDeviceHandles
@@ -49,7 +50,7 @@ FUNCTIONS_OF_FIRST_VERSION = frozenset(
     rtcNewVulkanDevice rtcNewVulkanDeviceFromHandles rtcNewVulkanScene rtcRecordVulkanIntersect
     rtcRecordVulkanIntersectInOrder rtcRecordVulkanOccluded rtcRecordVulkanOccludedInOrder
     rtcRecordVulkanRayOrder rtcReleaseVulkanDevice rtcReleaseVulkanScene rtcRetainVulkanDevice
-    rtcRetainVulkanScene rtcSetGeometryCompression rtcSetVulkanSceneRaySorting rtcStartVulkanIntersect
+    rtcRetainVulkanScene rtcSetGeometryCompression rtcStartVulkanIntersect
     rtcStartVulkanOccluded rtcWaitVulkanTrace
     """.split()
 )
@@ -224,8 +225,8 @@ def page_of(group, version, include, library, types, others):
     for section, found in parts.items():
         if found:
             out += [".SH " + section] + prose(found, group.arguments)
-    since = "since" if group.names[0] in FUNCTIONS_OF_FIRST_VERSION else "in versions after"
-    out += [".SH HISTORY", ".PP", "Available %s %s." % (since, FIRST_VERSION)]
+    since = FIRST_VERSION if group.names[0] in FUNCTIONS_OF_FIRST_VERSION else SECOND_VERSION
+    out += [".SH HISTORY", ".PP", "Available since %s." % since]
     named = [name for name in library.own_pages if re.search(r"\b%s\b" % name, "\n".join(group.declarations))]
     return (
         "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"
