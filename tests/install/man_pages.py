@@ -160,7 +160,7 @@ class PublicHeaders(unittest.TestCase):
             pages = made(folder, *HEADERS)
         history = {name.split(".")[0]: section(page, "HISTORY") for name, page in pages.items()}
         self.assertIn("Available since 0.9.0.", history["rtcSetGeometryCompression"])
-        self.assertIn("Available in versions after 0.9.0.", history["rtcDiceGeometry"])
+        self.assertIn("Available since 1.0.0.", history["rtcDiceGeometry"])
         listed = re.search(r'frozenset\(\s*"""(.*?)"""', SCRIPT.read_text(), re.S)[1].split()
         self.assertEqual([name for name in listed if name not in history], [])
         for name, page in pages.items():
