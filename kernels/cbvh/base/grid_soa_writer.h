@@ -44,7 +44,7 @@ namespace embree
       }
 
       /*! Bytes of a patch's grids in GRID, with their share of the nodes above. quads: quads per side of the patch. */
-      static size_t bytesInGrid (const Vec2i& quads)
+      static size_t bytesOfPatch (const Vec2i& quads)
       {
         const unsigned side = gridQuads;
         const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side },

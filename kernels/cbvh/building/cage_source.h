@@ -81,7 +81,7 @@ namespace embree
 
       size_t bytesInEmbree (const SurfacePatch& patch) const {
         const Vec2i quads(int(patch.quads[0]),int(patch.quads[1]));
-        return bytesOfMovingGrids(GridSOAWriter::bytesInGrid(quads),plan.numTimeSteps);
+        return bytesOfMovingGrids(GridSOAWriter::bytesOfPatch(quads),plan.numTimeSteps);
       }
 
       class Writer

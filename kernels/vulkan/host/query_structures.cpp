@@ -59,12 +59,13 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   uploader.flush();
   const BuildCounts counts = buildBottomLevels(device, requests);
   input.reset();
+  size_t numBoxes = 0;
   std::map<const Structure*, size_t> bytes;   // counts shared structures once
   for (size_t i = 0; i < requests.size(); i++) {
     const Structure& structure = *requests[i].level->structure;
     out.levels[levelIDs[i]] = requests[i].level;
     bytes[&structure] = structure.bytes;
-    statistics.numBoxes += requests[i].key.count;
+    numBoxes += requests[i].key.count;
   }
   for (auto& instance : instances)
     instance.accelerationStructureReference
@@ -75,6 +76,7 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   uploader.flush();
   out.topLevel = buildTopLevel(device, slice.address(), instances.size());
   out.instances = std::move(instances);
+  statistics.numBoxes = numBoxes;
   statistics.numBuiltBoxes = counts.built;
   statistics.numUpdatedBoxes = counts.updated;
   statistics.structureBytes = out.topLevel->bytes;
