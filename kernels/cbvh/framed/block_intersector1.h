@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersects a single ray with a block: maps the ray into its frame (local_ray4.h), walks its quadtree (block_walk1.h),
- * and intersects its leaves (the visitors). */
+/* Intersects a single ray with a block: maps the ray into the block's frame (local_ray4.h), walks the block's quadtree
+ * (block_walk1.h), and intersects leaves (the visitors). */
 
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
@@ -16,12 +16,12 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Visitor: LeafVisitor1, for example. */
+      /*! Visitor: LeafVisitor1, VoxelVisitor1 or GridVisitor1. Its constant `kind` is the block's kind. */
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Returns true if a hit was accepted. Any-hit queries end there. Not inlined, so that traversal keeps its ray
-         *  in registers. */
+        /*! Returns true if a hit was accepted. Any-hit queries end at the first one. Requires state.set() and a valid
+         *  block. Not inlined, so that traversal keeps its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,
                                           const Block* block)

@@ -53,8 +53,8 @@ namespace embree
           return local.endClipped && ranges.sFar[leaf] > 1.0f;
         }
 
-        /*! Reports a hit. Returns true if it was accepted, or if a hit of another block takes precedence: the walk must
-         *  not depend on the order of blocks. leaf: index in Morton order. */
+        /*! Reports a hit, unless the ray's current hit takes precedence. Returns false if a mask or filter rejected it,
+         *  otherwise true, so that the walk does not depend on the order of blocks. leaf: index in Morton order. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitSegment<float> segment = {

@@ -30,9 +30,9 @@ namespace embree
         const BlockLayout& layout;
         const NodeRays<K>& nodeRays;
         BlockTiles& tiles;
-        vfloat<K> sBest;
-        vbool<K> activeRays; //!< rays that continue
-        vbool<K> isHit;  //!< rays with an accepted hit in this block
+        vfloat<K> sBest;     //!< see BlockVisitor1
+        vbool<K> activeRays; //!< rays that continue the walk; in any-hit queries, rays without an accepted hit
+        vbool<K> isHit;      //!< rays with an accepted hit in this block
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
                                      const Block* block, const BlockLayout& layout,
@@ -84,6 +84,7 @@ namespace embree
           return counts;
         }
 
+        /*! Records that rays accepted a hit. reportHits() calls it. */
         __forceinline void accept (const vbool<K>& accepted)
         {
           isHit |= accepted;
@@ -93,13 +94,13 @@ namespace embree
       private:
         __forceinline HitSegment<vfloat<K>> segments () const
         {
-          const NodeRays<K>& f = nodeRays;
+          const NodeRays<K>& n = nodeRays;
           return HitSegment<vfloat<K>>{
-            { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
+            { n.P[0],n.P[1],n.P[2] },{ n.D[0],n.D[1],n.D[2] },n.t0,n.t1,n.w0,n.w1,
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.entryT };
         }
 
-        /*! Rays whose hits take precedence over their current ones. */
+        /*! Rays of `lanes` whose hits take precedence over their current ones. Other rays are undefined. */
         __forceinline vbool<K> precedes (const vbool<K>& lanes, const vfloat<K>& comparedT, const vfloat<K>& hitT) const
         {
           vbool<K> front = comparedT < rays.tfar;

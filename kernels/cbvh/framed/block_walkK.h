@@ -23,7 +23,7 @@
  *    bool tracksPassedBoxes
  *      Constant. False if the two functions above must not be called.
  *    vbool<K> activeRays
- *      Rays that continue.
+ *      Rays that continue the walk.
  *    vfloat<K> sBest
  *      Nodes that a ray enters at a greater s are skipped for it. */
 

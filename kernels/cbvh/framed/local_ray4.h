@@ -84,9 +84,9 @@ namespace embree
         bool startClipped; //!< see Segment
         bool endClipped;
 
-        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its nearest
-         *  hit. The segment does not depend on `nearest`, so that results do not depend on the order of blocks. */
-        __forceinline bool init (const RayState& state, const Block* block, float nearest)
+        /*! Returns false if the ray misses the block's box between tnear and `nearestT`, the distance of its nearest
+         *  hit. The segment does not depend on `nearestT`, so that results do not depend on the order of blocks. */
+        __forceinline bool init (const RayState& state, const Block* block, float nearestT)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
           const vfloat4 cy = vfloat4::load(block->columns[1]);
@@ -105,7 +105,7 @@ namespace embree
           Clip clip(O,D,epsilon);
           const float tauNear = state.scaledTnear - tref, tauFar = fused(state.tfar,state.rcpScale,-tref);
           const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
-          if (clip.outside || !(tau0 <= min(tau1,fused(nearest,state.rcpScale,-tref)))) return false;
+          if (clip.outside || !(tau0 <= min(tau1,fused(nearestT,state.rcpScale,-tref)))) return false;
           startClipped = tauNear > clip.tauIn;
           endClipped = tauFar < clip.tauOut;
 
@@ -123,7 +123,8 @@ namespace embree
         }
 
       private:
-        /*! Range of the ray inside of the box: where X >= 0, W-X >= 0, and so on. `outside`: it is empty. */
+        /*! Range of the ray inside of the box: where X >= 0, W-X >= 0, and so on. It is empty if tauIn > tauOut, or if
+         *  `outside` is set: the ray is parallel to a side and beyond it. */
         struct Clip
         {
           float tauIn, tauOut;

@@ -20,7 +20,7 @@ namespace embree
         vfloat4 P, D;
         vfloatV Pnear[3], Pfar[3]; //!< P moved by epsilon, which widens boxes; the same in all lanes
         vfloatV rcpD[3];
-        float epsilonZ;
+        float epsilonZ;            //!< epsilon along z, see local_ray.h
         uint32_t flip;             //!< bit k: the ray descends along axis k
         size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes
 

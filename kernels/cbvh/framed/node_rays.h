@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* RayState, LocalRay (local_ray4.h) and NodeRay (node_ray.h) for packets, with one ray per lane. Results have the same
- * bits as those of single rays. Lanes of inactive rays are undefined. */
+/* RayState, LocalRay (local_ray4.h), NodeRay and BoxRanges (node_ray.h) for packets, with one ray per lane and the same
+ * bits as for single rays. Lanes of inactive rays are undefined. */
 
 #include "node_ray.h"
 
@@ -57,15 +57,18 @@ namespace embree
       template<int K>
       struct NodeRays
       {
-        vfloat<K> P[3], D[3];                   //!< see NodeRay
+        /* see NodeRay */
+        vfloat<K> P[3], D[3];
         vfloat<K> Pnear[3], Pfar[3], rcpD[3];
         vfloat<K> epsilonZ;
-        vbool<K> descends[3];
-        vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
+        vbool<K> descends[3]; //!< by axis
+
+        /* see LocalRay */
+        vfloat<K> t0, t1, w0, w1;
         vbool<K> startClipped, endClipped;
 
         /*! See LocalRay::init. Returns the rays that intersect the block's box. */
-        __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
+        __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearestT,
                                      const vbool<K>& valid)
         {
           const vfloat<K> o[3] =
@@ -97,7 +100,7 @@ namespace embree
           }
           const vfloat<K> tauNear = state.scaledTnear - tref, tauFar = msub(state.tfar,state.rcpScale,tref);
           const vfloat<K> tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
-          const vbool<K> intersects = andn(valid & (tau0 <= min(tau1,msub(nearest,state.rcpScale,tref))),outside);
+          const vbool<K> intersects = andn(valid & (tau0 <= min(tau1,msub(nearestT,state.rcpScale,tref))),outside);
           if (none(intersects)) return intersects;
           startClipped = tauNear > tauIn;
           endClipped = tauFar < tauOut;
@@ -116,12 +119,13 @@ namespace embree
           const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
           return select(at < t1,tw/(product(w0,vfloat<K>(1.0f)-tau) + tw),vfloat<K>(1.0f)) + vfloat<K>(slackOfS);
         }
+        /*! Same for ray k. */
         __forceinline float parameterAfter (size_t k, float rcpScale, float t) const {
           return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS;
         }
 
       private:
-        /*! As LocalRay::Clip: clips to a + tau d >= 0. */
+        /*! Clips the range from tauIn to tauOut to a + tau d >= 0. Adds rays to `outside` as LocalRay::Clip does. */
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
                                         vbool<K>& outside)
         {
@@ -145,13 +149,14 @@ namespace embree
         }
       };
 
-      /*! Values of s where rays enter and leave a box: in x and y, in z, and in all three. */
+      /*! Values of s, not clamped, at which the lines of rays enter and leave a box widened by epsilon: its extent in x
+       *  and y, its extent in z, and the box itself. */
       template<int K>
       struct BoxRangesK
       {
         vfloat<K> enterXY, leaveXY, enterZ, leaveZ, sNear, sFar;
 
-        /*! flipXY: see NodeRay, the same for all rays. i: box. */
+        /*! flipXY: see NodeRay. Lanes of rays with another flipXY become undefined. i: box. */
         template<int N>
         __forceinline void set (const NodeRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
         {
@@ -177,8 +182,8 @@ namespace embree
         }
 
         /*! See NodeRay::isAbove. */
-        __forceinline vbool<K> isAbove (const vbool<K>& descends) const {
-          return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends;
+        __forceinline vbool<K> isAbove (const vbool<K>& descendsZ) const {
+          return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descendsZ;
         }
       };
     }
