@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Fits the affine map that predicts a mesh block's vertices at a later time step from the first one, by least squares
- * (format/mesh_motion.h). Products and sums are not fused, so that all instruction sets encode the same bytes. */
+/* Fits the affine map that predicts the vertices of a mesh block at a later time step from their positions at the first
+ * step, by least squares (format/mesh_motion.h). Products and sums are not fused, so that all instruction sets encode
+ * the same bytes. Positions must be finite. */
 
 #include "../format/mesh_block.h"
 #include <cmath>
@@ -14,16 +15,18 @@ namespace cvert { inline namespace CVERT_ISA
   class AffineFit
   {
   public:
-    /*! first: `count` vertices of the first step, which must outlive this object. */
+    /*! Required before fit(), and again for each block. first: `count` vertices at the first step, at least 1. fit()
+     *  reads them, too. */
     void setFirst (const float (*first)[3], uint32_t count)
     {
       this->first = first;
       this->count = count;
-      mean(first,center);
+      mean(first,firstMean);
       double s[3][3];
-      addProducts(first,center,s);
-      /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If vertices lie in a plane or on a line, an axis may
-       * depend linearly on the axes before it. The map does not use such an axis. */
+      setProducts(first,firstMean,s);
+      /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If vertices lie nearly in a plane or on a line, an axis
+       * may depend linearly on the axes before it: little of its variance remains, less than 1e-9 of the sum of all
+       * variances. The map does not use such an axis. */
       const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
       for (int a=0; a<3; a++)
       {
@@ -42,46 +45,46 @@ namespace cvert { inline namespace CVERT_ISA
     /*! later: the same vertices at a later step. map: receives MeshStep::map. */
     void fit (const float (*later)[3], float map[3][4]) const
     {
-      double to[3], s[3][3];
-      mean(later,to);
-      addProducts(later,to,s);
+      double laterMean[3], s[3][3];
+      mean(later,laterMean);
+      setProducts(later,laterMean,s);
       for (int a=0; a<3; a++)
       {
         double row[3] = { s[a][0],s[a][1],s[a][2] };
         solve(row);
-        double summand = to[a];
+        double summand = laterMean[a];
         for (int b=0; b<3; b++) {
           map[a][b] = normalOrZero(row[b]);
-          summand -= product(double(map[a][b]),center[b]);
+          summand -= product(double(map[a][b]),firstMean[b]);
         }
         map[a][3] = normalOrZero(summand);
       }
     }
 
   private:
-    /*! Rounds to a float. Returns 0 if the result is not normal. */
+    /*! Rounds to a float. Returns 0 for values outside of the range of normal floats, up to 3.4e38. */
     static float normalOrZero (double x) {
       return std::fabs(x) >= 1.1754943508222875e-38 && std::fabs(x) < 3.4e38 ? float(x) : 0.0f;
     }
 
-    void mean (const float (*of)[3], double out[3]) const
+    void mean (const float (*positions)[3], double out[3]) const
     {
       for (int k=0; k<3; k++) {
         out[k] = 0;
-        for (uint32_t v=0; v<count; v++) out[k] += double(of[v][k]);
+        for (uint32_t v=0; v<count; v++) out[k] += double(positions[v][k]);
         out[k] /= count;
       }
     }
 
-    /*! s[a][b] receives the sum over all vertices of (position on axis a) * (first position on axis b), both relative
-     *  to their means. */
-    void addProducts (const float (*of)[3], const double mean[3], double s[3][3]) const
+    /*! Sets s[a][b] to the sum over all vertices of (position on axis a) * (first position on axis b), both relative to
+     *  their means. center: mean of the positions. */
+    void setProducts (const float (*positions)[3], const double center[3], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++) {
           s[a][b] = 0;
           for (uint32_t v=0; v<count; v++)
-            s[a][b] += product(double(of[v][a])-mean[a],double(first[v][b])-center[b]);
+            s[a][b] += product(double(positions[v][a])-center[a],double(first[v][b])-firstMean[b]);
         }
     }
 
@@ -97,7 +100,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float (*first)[3] = nullptr;
     uint32_t count = 0;
-    double center[3], factor[3][3], diagonal[3];
+    double firstMean[3], factor[3][3], diagonal[3];
     bool isUsed[3];
   };
 }}
