@@ -49,7 +49,7 @@ namespace embree
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& rect, const Closure& closure)
         {
-          const uint32_t side = QuadTriangles::maxQuads;
+          const uint32_t side = QuadTriangles::maxQuadsPerSide;
           for (uint32_t y=0; y<rect.height; y+=side)
             for (uint32_t x=0; x<rect.width; x+=side) {
               const QuadRectangle square = { rect.x+x,rect.y+y,

@@ -7,8 +7,8 @@
  *
  *   header, 20 bytes | offsets of vertices | indices of reused vertices -> ... <- first bits | <- controls of triangles
  *
- * Each triangle after the first shares an edge with one of the two triangles before it. Vertices are in the order of
- * their first use, so only reused vertices need an index.
+ * Each triangle shares an edge with one of the two triangles before it, or restarts the strip. Vertices are in the
+ * order of their first use, so only reused vertices need an index.
  *
  * Based on: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1", Khronos 2025;
  * Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly Geometry Format for Lossily Compressing Meshlets with

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Triangles of a rectangle of quads of a decoded part of a surface, for clusters. Neighboring vertices at the same
- * point, as at stitched edges, become one. Triangles without area or with vertices that are not finite are omitted. */
+/* The triangles of a cluster, which is a rectangle of quads in a decoded part of a surface. Neighboring vertices at the
+ * same point, as at stitched edges, become one. Triangles are omitted if two corners are at the same point or a corner
+ * is not finite. */
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,7 @@
 
 namespace cvert
 {
+  /*! In quads of a part. */
   struct QuadRectangle
   {
     uint32_t x, y, width, height;
@@ -20,18 +22,19 @@ namespace cvert
   class QuadTriangles
   {
   public:
-    static const uint32_t maxQuads = 8;         //!< per side of a cluster
+    static const uint32_t maxQuadsPerSide = 8;
     static const uint32_t maxVertices = 81, maxTriangles = 128;
 
     uint32_t numVertices, numTriangles;
-    uint32_t vertices[maxVertices];             //!< indices of vertices in the rectangle, row by row
+    uint32_t vertices[maxVertices];             //!< (width+1) y + x in the rectangle, ascending
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
     uint32_t triangles[maxTriangles];           //!< indices in the part: 2 (quads per row * y + x), plus 1 for the
                                                 //!< second triangle of a quad
-    bool isComplete;                               //!< no vertex or triangle is missing
+    bool isComplete;                            //!< has all vertices and triangles of the rectangle
 
-    /*! points: the part's vertices, in rows of `stride`, which must outlive this object. rectangle: in quads of the
-     *  part. isStrip: alternates the direction of rows, so that consecutive triangles share an edge. */
+    /*! points: x, y and z of the part's vertices, `stride` per row; not read later. rectangle: at most maxQuadsPerSide
+     *  wide and high. isStrip: alternates the direction of rows, so that a triangle shares an edge with one of the two
+     *  triangles before it, unless one of these is omitted. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& rectangle, bool isStrip)
       : numVertices(0), numTriangles(0), points(points + 3*(size_t(rectangle.y)*stride + rectangle.x)), stride(stride),
         width(rectangle.width+1)
@@ -93,7 +96,7 @@ namespace cvert
 
     const float* const points;
     const uint32_t stride, width;
-    uint8_t number[maxVertices];
-    bool isUsed[maxVertices];
+    uint8_t number[maxVertices];  //!< vertex that replaces it, or itself
+    bool isUsed[maxVertices];     //!< by a triangle
   };
 }
