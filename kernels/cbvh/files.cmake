@@ -35,7 +35,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/stored/stored_clusters.cpp
   cbvh/stored/surface_blocks.cpp
   cbvh/surface/input_checks.cpp
-  cbvh/surface/mesh_parts.cpp
+  cbvh/surface/mesh_regions.cpp
   cbvh/surface/quad_regions.cpp
   cbvh/surface/triangle_pairs.cpp
   cbvh/surface/welded_vertices.cpp

@@ -11,7 +11,7 @@
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"
-#include "../surface/mesh_parts.h"
+#include "../surface/mesh_regions.h"
 #include "../surface/plan.h"
 #include "../../cvert/format/block.h"
 #include <new>
@@ -223,12 +223,12 @@ namespace embree
     return true;
   }
 
-  /*! Finds the grids of a mesh. If memory runs out, the next commit of the scene reports it (partsOf), because programs
-   *  do not expect the commit of a geometry to fail. */
+  /*! As divideMesh(). If memory runs out, the next commit of the scene reports it (regionsOf), because programs do not
+   *  expect the commit of a geometry to fail. */
   template<typename Mesh>
-  static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
+  static std::shared_ptr<const QuadRegions> tryDivideMesh (Mesh* mesh)
   {
-    try { return findParts(mesh); }
+    try { return divideMesh(mesh); }
     catch (const std::bad_alloc&) {}
     std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>();
     none->isOutOfMemory = true;
@@ -246,7 +246,7 @@ namespace embree
       : mesh->size() < minPrimitives ? "are too few to matter" : nullptr;
     if (isRequested && !rejectionReason)
     {
-      const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
+      const std::shared_ptr<const QuadRegions> regions = tryDivideMesh(mesh);
       std::atomic_store(&mesh->surface.regions,regions);
       if (regions->numInvalid)
         printCommitLine(mesh,std::to_string(regions->numInvalid) + " of " + std::to_string(mesh->size()) + " "

@@ -28,8 +28,9 @@ namespace embree
     static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
     {
       std::unique_ptr<IrregularBlocks> irregular;
-      const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
-      if (parts->hasIrregular()) irregular.reset(new IrregularBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
+      const std::shared_ptr<const QuadRegions> regions = regionsOf(mesh);
+      if (regions->hasIrregular())
+        irregular.reset(new IrregularBlocks(TrianglesOfMesh(mesh),regions,plan,mesh->device));
       return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
     }
 

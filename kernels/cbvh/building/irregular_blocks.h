@@ -4,9 +4,9 @@
 #pragma once
 
 /* Builds mesh blocks (cvert/format/mesh_block.h) of the triangles that are in no grid. All threads first divide the
- * triangles into parts in space. A task then clusters and encodes each part. */
+ * triangles into batches, by position. A task then clusters and encodes each batch. */
 
-#include "../surface/mesh_parts.h"
+#include "../surface/mesh_regions.h"
 #include "../vert/moving_mesh_writer.h"
 #include "build_results.h"
 
@@ -17,11 +17,11 @@ namespace embree
     class IrregularBlocks
     {
     public:
-      /*! parts: must have irregular primitives. plan must outlive this object. */
-      IrregularBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
+      /*! regions: must have irregular primitives. plan must outlive this object. */
+      IrregularBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& regions,
                    const CompressionPlan& plan, Device* device)
-        : device(device), plan(plan), parts(parts),
-          triangles(mesh,parts->areAllIrregular ? nullptr : &parts->irregular,plan,device) {}
+        : device(device), plan(plan), regions(regions),
+          triangles(mesh,regions->areAllIrregular ? nullptr : &regions->irregular,plan,device) {}
 
       size_t numPrimitives () const { return triangles.numPrimitives(); }
       size_t estimateBlocks () const {
@@ -40,11 +40,11 @@ namespace embree
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
         const uint32_t group = MeshWriter::groupPrimitives(triangles.mesh);
-        std::vector<range<size_t>> parts;
-        if (triangles.centers.size()) parts.push_back(range<size_t>(0,triangles.centers.size()));
-        for (uint32_t depth=0; divide(group,depth,parts); depth++) progress(0.0);
+        std::vector<range<size_t>> batches;
+        if (triangles.centers.size()) batches.push_back(range<size_t>(0,triangles.centers.size()));
+        for (uint32_t depth=0; divide(group,depth,batches); depth++) progress(0.0);
         const double perCenter = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
-        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+        parallel_for(size_t(0),batches.size(),size_t(1),[&](const range<size_t>& r) {
             cbvh::MeshClusters clusters(group);
             for (size_t i=r.begin(); i!=r.end(); i++)
             {
@@ -52,14 +52,14 @@ namespace embree
               cbvh::BuildStatistics statistics;
               // on the heap, because writers are large
               if (plan.moves())
-                write(clusters,parts[i],std::unique_ptr<MovingMeshWriter>(
+                write(clusters,batches[i],std::unique_ptr<MovingMeshWriter>(
                   new MovingMeshWriter(triangles,plan,store,statistics)));
               else
-                write(clusters,parts[i],std::unique_ptr<MeshWriter>(
+                write(clusters,batches[i],std::unique_ptr<MeshWriter>(
                   new MeshWriter(triangles,plan.surfaceNumber,store,statistics)));
               results.add(numGrids+i,0,0,store);
               results.add(statistics);
-              progress(perCenter*double(parts[i].size()));
+              progress(perCenter*double(batches[i].size()));
             }
           });
         cbvh::BuildStatistics statistics;
@@ -87,38 +87,38 @@ namespace embree
       BoundsOf boundsOf () const { return BoundsOf{ triangles }; }
 
       template<typename Writer>
-      void write (cbvh::MeshClusters& clusters, const range<size_t>& part, const std::unique_ptr<Writer>& writer)
+      void write (cbvh::MeshClusters& clusters, const range<size_t>& batch, const std::unique_ptr<Writer>& writer)
       {
-        clusters.split(triangles.centers.data()+part.begin(),part.size(),boundsOf(),
+        clusters.split(triangles.centers.data()+batch.begin(),batch.size(),boundsOf(),
           [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
-      /*! Halves parts that are too large for a task. Returns false if there is none. depth: number of previous
+      /*! Halves batches that are too large for a task. Returns false if there is none. depth: number of previous
        *  calls. */
-      bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& parts)
+      bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& batches)
       {
-        std::vector<size_t> halves(parts.size(),0);
-        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+        std::vector<size_t> halves(batches.size(),0);
+        parallel_for(size_t(0),batches.size(),size_t(1),[&](const range<size_t>& r) {
             cbvh::MeshClusters clusters(group);
             for (size_t i=r.begin(); i!=r.end(); i++)
-              if (parts[i].size() > cbvh::MeshClusters::batchTriangles)
-                halves[i] = clusters.splitOnce(triangles.centers.data()+parts[i].begin(),parts[i].size(),boundsOf(),
+              if (batches[i].size() > cbvh::MeshClusters::batchTriangles)
+                halves[i] = clusters.splitOnce(triangles.centers.data()+batches[i].begin(),batches[i].size(),boundsOf(),
                                                depth);
           });
         std::vector<range<size_t>> next;
-        for (size_t i=0; i<parts.size(); i++) {
-          const size_t middle = parts[i].begin() + halves[i];
-          if (halves[i]) next.push_back(range<size_t>(parts[i].begin(),middle));
-          next.push_back(range<size_t>(middle,parts[i].end()));
+        for (size_t i=0; i<batches.size(); i++) {
+          const size_t middle = batches[i].begin() + halves[i];
+          if (halves[i]) next.push_back(range<size_t>(batches[i].begin(),middle));
+          next.push_back(range<size_t>(middle,batches[i].end()));
         }
-        const bool changed = next.size() != parts.size();
-        parts.swap(next);
+        const bool changed = next.size() != batches.size();
+        batches.swap(next);
         return changed;
       }
 
       Device* const device;
       const CompressionPlan& plan;
-      const std::shared_ptr<const QuadRegions> parts;
+      const std::shared_ptr<const QuadRegions> regions;
       IrregularTriangles triangles;
     };
   }

@@ -43,7 +43,7 @@ namespace embree
     /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
-    /*! Bytes of a small piece of memory, less than the blocks of most parts of a mesh need (irregular_blocks.h). */
+    /*! Bytes of a small piece of memory, less than the blocks of most batches of a mesh need (irregular_blocks.h). */
     static const size_t smallPieceBytes = 2048;
 
     /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */

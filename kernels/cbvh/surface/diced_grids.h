@@ -30,7 +30,7 @@
 #include "embree_bytes.h"
 #include "../base/codec_names.h"
 #include "../../cvert/encoder/lattice.h"
-#include "mesh_parts.h"
+#include "mesh_regions.h"
 #include "source.h"
 
 namespace embree
@@ -134,7 +134,8 @@ namespace embree
       typedef DicedGrid<Corners> Grid;
 
       explicit GridsOfRegions (const MeshType* mesh)
-        : regions(partsOf(mesh)), reported(mesh->device,regions->bytes()), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
+        : regions(regionsOf(mesh)), reported(mesh->device,regions->bytes()), mesh(mesh),
+          quads(quadsOf(mesh,*regions)) {}
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }

@@ -116,8 +116,8 @@ namespace embree
     };
   }
 
-  /*! The regions of a mesh, and its primitives that are in no region. Result of find(), which mesh_parts.cpp
-   *  completes. */
+  /*! The regions of a mesh, and its primitives that are in no region. Result of find(), which divideMesh()
+   *  completes (mesh_regions.h). */
   struct QuadRegions
   {
     struct Region
@@ -140,7 +140,7 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool firstCornersDiffer = false; //!< triangles of a region's quads begin at different corners
     bool isOutOfMemory = false; //!< memory ran out while regions were searched
-    cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_parts.h), ascending
+    cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_regions.h), ascending
     bool areAllIrregular = false; //!< no regions, and `irregular` is empty
     size_t numInvalid = 0;    //!< primitives with an index that is not a vertex; rays miss them
 
