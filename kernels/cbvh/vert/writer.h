@@ -5,8 +5,8 @@
 
 /* Writer of cVERT: turns the patches of a source (surface/source.h) into blocks, and appends them to a store. Rounds
  * vertices to the patch's lattice, and border vertices to lattices that patches share (shared_border.h); encoding is
- * then lossless. Several tasks can write strips of rows of one patch, each with its own writer and the memory of at
- * most 256 x 256 quads. The caller must flush the store after the last patch. */
+ * then lossless. Several tasks can write strips of one patch, each with its own writer and store. A strip is a range of
+ * rows of quads, which bounds the memory of a task. The caller must flush the store after the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -28,27 +28,29 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), evaluatedVertices(device), stepVertices(device,0) {}
 
-      /*! Rows of quads in a strip, a multiple of a block's. All time steps of a strip have about stripQuads quads. */
+      /*! Rows of quads per strip: a multiple of vertBlockQuads, because strips consist of whole rows of blocks. A strip
+       *  has at most stripQuads quads, counted once per time step, unless one row of blocks has more. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(stripQuads/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes a patch that is a single strip. verticesAt(step): the patch's vertices at a time step, or null if the
-       *  caller has not evaluated them. */
+      /*! Writes a patch as a single strip. verticesAt(step): displaced vertices of the patch at a time step, row by
+       *  row, or null if the caller has not evaluated them. */
       template<typename Patch, typename VerticesAt>
       void write (Patch& patch, const VerticesAt& verticesAt)
       {
         const PatchPart strip = { 0,patch.quads[0],0,patch.quads[1] };
-        writeStrip(patch,strip,[&](const PatchPart& all, unsigned step) -> PatchVertices& {
+        writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> PatchVertices& {
             const float (*vertices)[3] = verticesAt(step);
-            if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
+            if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
             evaluatedVertices.set(patch.quads[0],patch.quads[1],vertices);
             return evaluatedVertices;
           });
       }
 
-      /*! Writes a strip. firstRow, lastRow: vertices of these rows, step by step; null at the patch's border. Both
-       *  strips at a row must receive the same vertices, because evaluating them again may return other values. */
+      /*! Writes a strip, which must begin at a multiple of vertBlockQuads rows. firstRow, lastRow: displaced vertices
+       *  of the strip's first and last row, step by step, or null to evaluate them. Strips that share a row must use
+       *  the same vertices: pass them unless the source is deterministic. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*firstRow)[3], const float (*lastRow)[3])
       {
@@ -63,7 +65,7 @@ namespace embree
       }
 
     private:
-      static const unsigned stripQuads = 256*256; //!< quads in a strip, of all time steps together
+      static const unsigned stripQuads = 256*256; //!< see rowsOfStrip
 
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
@@ -73,7 +75,7 @@ namespace embree
         else
         {
           PatchVertices& vertices = evaluate(strip,0);
-          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,latticeOf(patch,0),vertices);
+          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,vertices);
           forEachBlock(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
               copyBlock(vertices.displaced(),vertices.width,x,y-strip.y0,w,h,encoder.vertices);
               writeBlock(patch,x,y,w,h);
@@ -89,11 +91,11 @@ namespace embree
         stepVertices.reserve(3*count*plan.numTimeSteps); // resize alone would grow to a power of two
         stepVertices.resize(3*count*plan.numTimeSteps);
         auto verticesOfStep = [&](unsigned step) { return (float(*)[3])stepVertices.data() + count*step; };
-        size_t flipped = 0;
+        size_t flipped = 0; // at the step with the most
         for (unsigned step=0; step<plan.numTimeSteps; step++)
         {
           PatchVertices& vertices = evaluate(strip,step);
-          flipped = max(flipped,snapVertices(patch,step,strip,latticeOf(patch,step),vertices));
+          flipped = max(flipped,snapVertices(patch,step,strip,vertices));
           memcpy(verticesOfStep(step),vertices.displaced(),count*sizeof(float[3]));
         }
         statistics.sums.numFlippedQuads += flipped;
@@ -112,7 +114,8 @@ namespace embree
             closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
       }
 
-      /*! Copies the vertices of a block of w x h quads. x, y: column and row of the first one in `vertices`. */
+      /*! Copies the vertices of a block of w x h quads. width: row length of `vertices`. x, y: column and row of the
+       *  block's first vertex there. */
       static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h,
                              float (*out)[3])
       {
@@ -196,7 +199,7 @@ namespace embree
         store.commit(size,toBBox(bounds),type,cbvh::vertReadPadding);
       }
 
-      /*! Adds a block to the statistics. bytes: size without padding. */
+      /*! bytes: size of the block without padding. */
       void addToStatistics (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& blockStatistics)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->info);
@@ -212,15 +215,6 @@ namespace embree
         sums.numQuads += quads;
         sums.numInvalidQuads += blockStatistics.invalidQuads;
         if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
-      }
-
-      /*! Lattice of vertices that the patch does not share. Adds its spacing to the statistics. */
-      template<typename Patch>
-      cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
-      {
-        const cbvh::WorldLattice lattice(patch.latticeExponent(step));
-        statistics.sums.maxVertexSpacing = max(statistics.sums.maxVertexSpacing,lattice.spacing);
-        return lattice;
       }
 
       void addMeshQuads (const SurfacePatch& patch, size_t quads)
@@ -242,12 +236,13 @@ namespace embree
           cbvh::packEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
-      /*! Rounds the vertices of a strip to their lattices, and adds the distances to the statistics. Returns the number
-       *  of quads with a triangle that rounding flips. */
+      /*! Rounds the vertices of a strip to their lattices. Updates the largest spacing and distance in the statistics.
+       *  Returns the number of quads with a triangle that rounding flips. */
       template<typename Patch>
-      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
-                           PatchVertices& vertices)
+      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, PatchVertices& vertices)
       {
+        const cbvh::WorldLattice lattice(patch.latticeExponent(step));
+        statistics.sums.maxVertexSpacing = max(statistics.sums.maxVertexSpacing,lattice.spacing);
         float (*snapped)[3] = vertices.displaced();
         // the memory of undisplaced vertices, which cVERT does not use, stores the vertices before rounding
         memcpy(vertices.undisplaced(),snapped,vertices.width*vertices.height*sizeof(*snapped));
