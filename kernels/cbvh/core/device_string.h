@@ -4,7 +4,8 @@
 #pragma once
 
 /* Checks device strings such as "threads=4,isa=avx2", because Embree ignores unknown keys and many invalid values.
- * Independent of Embree, for libembree_cbvh. Thread-safe. */
+ * Also finds similar names and stores errors of settings, for messages. Independent of Embree, for libembree_cbvh.
+ * Thread-safe. */
 
 #include <string>
 #include <vector>
@@ -17,11 +18,12 @@ namespace embree
   /*! Returns the known key that is most similar to `name`, for messages. */
   std::string nearestDeviceKey (const std::string& name);
 
-  /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. */
+  /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. names: not empty. */
   std::string nearestName (const std::string& name, const std::vector<std::string>& names);
 
-  /*! Checks all keys, and values whose errors Embree ignores. Returns a message with the first invalid key or value and
-   *  what is accepted, or an empty string. */
+  /*! Checks all keys, and values whose errors Embree ignores. Returns an empty string, or a message with the first
+   *  invalid key and a similar valid one, or with the first invalid value and what is accepted. deviceString: may be
+   *  null. */
   std::string findDeviceStringError (const char* deviceString);
 
   /*! Returns and clears the message of this thread's last rejected setting, or an empty string. */

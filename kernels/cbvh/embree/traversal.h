@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Embree's box and triangle tests, its traversal of single rays, packets and streams, and its epilogues, which report
- * hits and call filters. */
+/* Embree's box and triangle tests, the leaves of GRID, its traversal of single rays, packets and streams, and its
+ * epilogues, which report hits and call filters. One file is a .cpp, because it defines the members of a template. */
 
 #include "ray.h"
 #include "../../geometry/grid_soa.h"

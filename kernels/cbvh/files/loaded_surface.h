@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Loads the surfaces of a file, for core/files.h. Loading reads and checks trees and moving blocks. Other blocks stay
- * in the mapped file, and are checked when rays first reach them (mapped_blocks.h). */
+/* Loads surfaces from a file, and verifies files, for core/files.h. Blocks stay in the mapped file. Loading reads and
+ * checks the tree and moving blocks. Other blocks are checked before their first use (mapped_blocks.h). */
 
 #include "../base/codec_names.h"
 #include "../../cvert/file/file.h"
@@ -17,12 +17,13 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Loads geometry i. Throws cvert::Error if its tree or a moving block is damaged. The result keeps the file
-     *  mapped. */
+    /*! Loads geometry i, which must exist. Never null. Throws std::bad_alloc, or cvert::Error if its tree or a moving
+     *  block is damaged or this library does not support its blocks. The result keeps the file mapped. If another
+     *  surface has the surface number in the file, blocks are copied when they are first used. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 
-    /*! Reads the whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
+    /*! Reads the whole file. Throws cvert::Error if a checksum differs, or a tree or block is damaged. */
     void verifyFile (const cvert::File& file);
   }
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it (base/block_validity.h), so
- * that other blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its
+/* Blocks of a geometry in a mapped file. A block is checked before its first use (base/block_validity.h), so that
+ * unused blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its
  * hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
