@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Embree's box and triangle tests, the leaves of GRID, its traversal of single rays, packets and streams, and its
- * epilogues, which report hits and call filters. One file is a .cpp, because it defines the members of a template. */
+/* Embree's box and triangle tests, the leaves of GRID and their intersectors, traversal of single rays, packets and
+ * streams, and epilogues, which report hits and call filters. */
 
 #include "ray.h"
 #include "../../geometry/grid_soa.h"
@@ -13,6 +13,7 @@
 #include "../../bvh/node_intersector1.h"
 #include "../../bvh/node_intersector_packet.h"
 #include "../../bvh/node_intersector_frustum.h"
-#include "../../bvh/bvh_intersector1.cpp"
+#include "../../geometry/subdivpatch1_intersector.h"
+#include "../../bvh/bvh_traverser1.h"
 #include "../../bvh/bvh_intersector_hybrid.h"
 #include "../../bvh/bvh_intersector_stream.h"

@@ -67,7 +67,7 @@ namespace embree
         return stored;
       }
 
-      /*! Adds a block to the statistics. bytes: size without padding. */
+      /*! bytes: size of the block without padding. */
       static void addToStatistics (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
       {
         const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
