@@ -25,6 +25,7 @@ namespace embree
     class VertWriter
     {
     public:
+      /*! The arguments must outlive the writer. */
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), evaluatedVertices(device), stepVertices(device,0) {}
 

@@ -25,8 +25,8 @@ namespace cvert { inline namespace CVERT_ISA
       double s[3][3];
       setProducts(first,firstMean,s);
       /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If vertices lie nearly in a plane or on a line, an axis
-       * may depend linearly on the axes before it: little of its variance remains, less than 1e-9 of the sum of all
-       * variances. The map does not use such an axis. */
+       * may depend linearly on the axes before it: at most 1e-9 of the sum of all variances remains of its own. The map
+       * does not use such an axis. */
       const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
       for (int a=0; a<3; a++)
       {
@@ -62,7 +62,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Rounds to a float. Returns 0 for values outside of the range of normal floats, up to 3.4e38. */
+    /*! Rounds to a float. Returns 0 unless the magnitude is at least the smallest normal float, and below 3.4e38. */
     static float normalOrZero (double x) {
       return std::fabs(x) >= 1.1754943508222875e-38 && std::fabs(x) < 3.4e38 ? float(x) : 0.0f;
     }
