@@ -67,7 +67,7 @@ namespace embree
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-                       "unknown cluster format " + std::to_string(int(format)));
+                       "unknown cluster format " + std::to_string(int(format)) + ": expected 0 to 2");
       cbvh::forEachCluster(*held.blocks,traversalTime(geometry,time),format,closure,statistics);
     }
   }
