@@ -100,7 +100,7 @@ void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const 
   LatticeSpan span;
   for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
   ASSERT_TRUE(span.fits());
-  std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
+  std::vector<uint32_t> data(maxCompressed1Bytes(81)/4 + 1);
   const size_t bytes = writeCompressed1(points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
   const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
   for (unsigned i = 0; i < triangles.numVertices; i++)
@@ -329,7 +329,7 @@ TEST(ClusterCodec, BytesMatchAnnotatedClusters)
   const QuadTriangles rows(grid.points(), grid.width, all, false);
   LatticeSpan span;
   for (unsigned i = 0; i < rows.numVertices; i++) span.add(points->at[rows.vertices[i]]);
-  std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
+  std::vector<uint32_t> data(maxCompressed1Bytes(81)/4 + 1);
   const size_t bytes = writeCompressed1(*points, span, rows.vertices, rows.numVertices, (uint8_t*)data.data());
   std::string text;
   const auto print = [&](const uint8_t* from, size_t count) {

@@ -158,6 +158,63 @@ TEST(StoredTriangles, GridsMatchHitTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// Devices whose rays hit with the same bits return the same vertices, also if the library does not contain a device's
+// ISA and traces with a lower one.
+TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal)
+{
+  struct Result
+  {
+    std::string isa;
+    std::vector<float> hits;
+    std::vector<Vec> vertices;
+  };
+  Random random(113);
+  Diced diced = dicedSheet(2, 16);
+  diced.motion = [](const Vec& p, unsigned step) {
+    return Vec{p[0] + 0.03f*step, p[1]*(1 + 0.1f*step), p[2] - 0.07f*step*p[0]};
+  };
+  const float time = 0.3f;
+  std::vector<RTCRayHit> rays;
+  for (int i = 0; i < 500; i++) {
+    rays.push_back(rayAt(random, diced));
+    rays.back().ray.time = time;
+  }
+  std::vector<Result> results;
+  size_t numComparisons = 0;
+  for (const char* isa : {"", "isa=sse2", "isa=sse4.2", "isa=avx", "isa=avx2", "isa=avx512"}) {
+    Device device(isa);
+    if (!device) continue; // this machine does not support the ISA
+    Scene scene(device);
+    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_NONE, 2);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    Result result;
+    result.isa = isa;
+    for (const RTCRayHit& ray : rays) {
+      const RTCRayHit r = intersect(scene, ray);
+      if (!isHit(r)) continue;
+      for (float x : {r.ray.tfar, r.hit.u, r.hit.v, r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}) result.hits.push_back(x);
+    }
+    EXPECT_GT(result.hits.size(), 6u*100u);
+    rtcForEachCompressedPart(geometry, time, [](void* vertices, const RTCCompressedPart* part) {
+      for (unsigned i = 0; i < part->width*part->height; i++) {
+        const float* p = part->vertices + 3*i;
+        ((std::vector<Vec>*)vertices)->push_back({p[0], p[1], p[2]});
+      }
+      return true;
+    }, &result.vertices);
+    std::sort(result.vertices.begin(), result.vertices.end()); // the order of parts is unspecified
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    for (const Result& other : results) {
+      if (other.hits != result.hits) continue;
+      numComparisons++;
+      EXPECT_TRUE(other.vertices == result.vertices) << "'" << other.isa << "' and '" << isa << "'";
+    }
+    results.push_back(result);
+  }
+  EXPECT_GT(numComparisons, 0u) << "the default is one of the ISAs";
+}
+
 TEST(StoredTriangles, ManyThreadsReadThem)
 {
   Device device;
@@ -203,6 +260,7 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   EXPECT_FALSE(lookUp(geometry, 4));
   EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 1.5f, 0.5f, nullptr, &t));
   EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, NAN, 0.5f, nullptr, &t));
+  EXPECT_TRUE(rtcFindCompressedTriangle(geometry, NAN, 0, 0.5f, 0.5f, nullptr, &t)) << "the geometry does not move";
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(lookUp(plain));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* std::atomic_ref of C++20, for tables of plain integers that several threads fill. While a thread accesses an object
- * through an AtomicRef, no other thread may access it directly. */
+/* std::atomic_ref of C++20, for tables of plain integers that several threads fill. Objects must be aligned to their
+ * size. While a thread accesses an object through an AtomicRef, no other thread may access it directly. */
 
 #include <atomic>
 
@@ -19,6 +19,8 @@ namespace embree
       explicit AtomicRef (T& object) : object(object) {}
 
       T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
+
+      /*! These return the previous value. */
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
@@ -28,14 +30,19 @@ namespace embree
         return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),failureOrder(order));
       }
 
-      /*! Never fails spuriously. */
+      /*! As compareExchangeWeak(), but never fails spuriously. */
       bool compareExchange (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),failureOrder(order));
       }
 
     private:
-      static_assert(__atomic_always_lock_free(sizeof(T),nullptr),"plain objects have no lock");
+      static_assert(__atomic_always_lock_free(sizeof(T),nullptr),"expected a type without locks");
+      static_assert(int(std::memory_order_relaxed) == __ATOMIC_RELAXED
+          && int(std::memory_order_acquire) == __ATOMIC_ACQUIRE && int(std::memory_order_release) == __ATOMIC_RELEASE
+          && int(std::memory_order_acq_rel) == __ATOMIC_ACQ_REL && int(std::memory_order_seq_cst) == __ATOMIC_SEQ_CST,
+          "orders are passed to the compiler as they are");
 
+      /*! A failed exchange stores nothing, so it must not release. */
       static int failureOrder (std::memory_order order)
       {
         if (order == std::memory_order_acq_rel) return __ATOMIC_ACQUIRE;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compression settings and statistics of geometries, for the C functions in api/ and kernels/beside. Headers of this
- * folder do not include Embree's internal ones. */
+/* Compression settings of geometries and statistics of scenes, for the C functions in api/ and kernels/beside. Headers
+ * of this folder do not include Embree's internal ones. */
 
 #include "../base/surface_statistics.h"
 #include "../state/settings.h"
@@ -22,17 +22,18 @@ namespace embree
      *  above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry and
-     *  for geometry loaded from a file. An error changes nothing. Thread safety: no other thread may use the geometry
-     *  during this call. Cost: constant. */
+    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for geometry of a type that
+     *  cannot be compressed, and for geometry loaded from a file. An error changes nothing. Thread safety: no other
+     *  thread may use the geometry during this call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
-    /*! True if a geometry has blocks and did not change since they were built. Thread safety: no other thread may
-     *  commit the geometry during this call. Cost: constant. */
+    /*! True if a geometry has blocks. After a change it has them until its next commit. Thread safety: no other thread
+     *  may commit the geometry during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
-    /*! Returns why the last commit left a geometry that requests compression to Embree's kernels, as the end of a
-     *  sentence: "are too few to matter". Null if it is compressed or has no primitives. The text is static. */
+    /*! Returns why the last commit left a geometry to Embree's kernels although it requests compression: a static text
+     *  that completes "its primitives ...", for example "are too few to matter". Null otherwise, and if it has no
+     *  primitives. Thread safety: as hasBlocks(). */
     const char* reasonNotCompressed (Geometry* geometry);
 
     /*! Returns how many faces a geometry's blocks leave out, as Embree's subdivision does; 0 without blocks. Thread
@@ -40,8 +41,9 @@ namespace embree
     size_t numUnsupportedFaces (Geometry* geometry);
 
     /*! Returns the statistics of the last commit of a scene, without instanced scenes; all zero if it has no compressed
-     *  geometry. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its geometries was modified since its last
-     *  commit. Thread safety: no other thread may change the scene during this call. Cost: constant per geometry. */
+     *  geometry. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its enabled geometries was modified since
+     *  its last commit. Thread safety: no other thread may change the scene during this call. Cost: constant per
+     *  geometry. */
     cbvh::CompressionStatistics statisticsOf (Scene* scene);
   }
 }

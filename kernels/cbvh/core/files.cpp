@@ -31,7 +31,8 @@ namespace embree
         const CompressibleGeometry* geometry;
         std::shared_ptr<const SurfaceBlocks> blocks;
 
-        /*! Throws RTC_ERROR_INVALID_OPERATION if the geometry has no blocks, or changed since they were built. */
+        /*! Throws RTC_ERROR_INVALID_OPERATION if the geometry has no blocks, requests no compression, or changed since
+         *  its last commit. */
         explicit SavableGeometry (Geometry* saved) : geometry(asCompressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);

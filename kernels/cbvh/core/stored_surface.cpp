@@ -11,12 +11,30 @@ namespace embree
   {
     namespace
     {
-      /*! From AVX2 on, intersectors fuse multiply-adds, which changes vertices between time steps. */
-      cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
-        return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
+      /*! True if the intersectors that api/factory.cpp selects for a device fuse multiply-adds, which changes vertices
+       *  between time steps. */
+      bool fusesMultiplyAdds (const Device* device)
+      {
+#if defined(__AVX2__) || defined(__ARM_NEON) // in the library's lowest ISA
+        return true;
+#else
+        const int features = device->enabled_cpu_features;
+        bool isFused = false;
+#  if defined(EMBREE_TARGET_AVX2)
+        isFused |= (features & AVX2) == AVX2;
+#  endif
+#  if defined(EMBREE_TARGET_AVX512)
+        isFused |= (features & AVX512) == AVX512;
+#  endif
+        return isFused;
+#endif
       }
 
-      /*! References a geometry and its blocks, because callbacks may release or commit it. Throws without blocks. */
+      cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
+        return cbvh::TraversalTime{ time,fusesMultiplyAdds(geometry->device) };
+      }
+
+      /*! References a geometry and its blocks, because closures may release or commit it. Throws without blocks. */
       struct HeldBlocks
       {
         const Ref<Geometry> geometry; // released last: blocks refer to its device
@@ -28,8 +46,6 @@ namespace embree
         }
       };
     }
-
-    float firstTime (Geometry* geometry) { return geometry->time_range.lower; }
 
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
         cbvh::StoredTriangle& triangle) {
@@ -51,7 +67,7 @@ namespace embree
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-                       "unknown cluster format " + std::to_string(int(format)));
+                       "unknown cluster format " + std::to_string(int(format)) + ": expected 0 to 2");
       cbvh::forEachCluster(*held.blocks,traversalTime(geometry,time),format,closure,statistics);
     }
   }

@@ -134,7 +134,7 @@ namespace embree
         /*! True if the ray passes over the grandchild or its parent, which it misses. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
-          return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)
+          return l.hits.passesParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)
             : ray.isAbove(tileOf(l,level,child).grandchildren,child);
         }
       };

@@ -14,7 +14,7 @@ namespace embree
   {
     struct alignas(64) NodeTables
     {
-      /*! [axis][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
+      /*! [x or y][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
       float lowerPlanes[2][32][4];
       float upperPlanes[2][32][4];
 
@@ -27,7 +27,7 @@ namespace embree
        *  height of each of the four leaves as a 32-bit integer; 0x80 selects 0. */
       alignas(16) uint8_t latticeCornerShuffles[4][16];
 
-      /*! Expand each of four mask bits to four bits: to the lowest only, or to all. */
+      /*! [mask of children]: mask of their first grandchildren, or of all their grandchildren. */
       uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* The grandchildren of a tile (node_cache.h) that a ray intersects, front to back.
+/* The grandchildren of a tile (node_cache.h) that a ray intersects or passes, front to back. A ray passes a node if it
+ * goes over or under its box (BoxMasks::passed).
  *
- * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
- * with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: a ray intersects both only
- * if their boxes overlap; the nearer one is then visited first. */
+ * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. The index of its node
+ * is the rank with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: a ray
+ * intersects both only if their boxes overlap. If the second is nearer, they are swapped. */
 
 #include "block_tiles.h"
 #include "node_ray.h"
@@ -23,12 +24,12 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! passedMask: all bits set to include ranks that the ray passes, otherwise 0. */
+        /*! Returns a mask of 16 ranks. passedMask: all bits set to include nodes that the ray passes, otherwise 0. */
         __forceinline uint32_t ranksToVisit (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
 
-        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node. */
+        /*! Removes a rank and all ranks before it. Returns false if the ray passes the rank's node. */
         __forceinline bool removeUpTo (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
@@ -36,12 +37,12 @@ namespace embree
           return isHit;
         }
 
-        /*! True if the ray passes the grandchild's parent. */
-        __forceinline bool isPassedByParent (uint32_t grandchild) const {
+        /*! True if the ray passes the parent of a grandchild. False if it passes the grandchild only. */
+        __forceinline bool passesParent (uint32_t grandchild) const {
           return !((childHit >> (grandchild >> 2)) & 1u);
         }
 
-        /*! Grandchild of a rank. Bits 2 and 3 of the result are its parent among the children. */
+        /*! Index of a rank's grandchild. Bits 2 and 3 are the index of its parent. */
         __forceinline uint32_t grandchild (uint32_t rank) const
         {
           uint32_t p = rank;
@@ -52,7 +53,8 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! Intersects a tile. If it returns children, the caller must decode their children and call again. */
+        /*! Sets the ranks, and returns 0, if all intersected children have decoded children. Otherwise returns a mask
+         *  of the others: the caller must decode them and call again. sBest: end of the ray, as s. */
         __forceinline uint32_t intersect (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -66,21 +68,23 @@ namespace embree
             all.hit &= nodeTables.allOfFour[children.hit];
             all.passed &= nodeTables.allOfFour[children.hit];
           }
-          const uint32_t first = ray.flipXY(), a = 1u^first, b = 2u^first;
+          const uint32_t first = ray.flipXY(), second = 1u^first, third = 2u^first; // children in the order of ranks
           all.passed |= uint32_t(nodeTables.firstOfFour[children.passed]) << first;
           setRanks(all,first);
 
           const uint32_t either = children.hit | children.passed;
-          if (unlikely(((either >> a) & (either >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
+          if (unlikely(((either >> second) & (either >> third) & 1u) != 0u)
+              && childRanges.sNear[third] < childRanges.sNear[second]) {
             swaps |= childSwap;
-            // exchanges the ranks of children 1 and 2, in both halves
+            // exchanges ranks 4 to 7 and 8 to 11, in both halves
             ranks = (ranks & 0xF00FF00Fu) | (ranks & 0x00F000F0u) << 4 | (ranks & 0x0F000F00u) >> 4;
           }
           swapOverlapping();
           return 0u;
         }
 
-        /*! For a tile above the root, whose box the ray intersects. */
+        /*! As intersect(), for a tile above the root. The ray must intersect the root's box, and the root's children
+         *  must be decoded. */
         __forceinline void intersectAboveRoot (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
@@ -91,7 +95,7 @@ namespace embree
           swapOverlapping();
         }
 
-        BoxRanges<16> ranges; //!< ranges of the grandchildren
+        BoxRanges<16> ranges; //!< by grandchild; undefined below children that the ray misses
 
       private:
         static const uint32_t childSwap = 16u;
@@ -112,7 +116,7 @@ namespace embree
           return m;
         }
 
-        /*! Sets ranks in the order of directions. first: as above. */
+        /*! Sets the ranks of grandchildren, without swaps. first: as above. */
         __forceinline void setRanks (const BoxMasks& masks, uint32_t first)
         {
           flip = first | first << 2;
@@ -120,7 +124,7 @@ namespace embree
           ranks = toRanks(masks.hit | masks.passed << 16,first);
         }
 
-        /*! Swaps alternatives that are both intersected or passed, if the second is nearer. */
+        /*! Swaps alternatives that are each intersected or passed, if the second is nearer. */
         __forceinline void swapOverlapping ()
         {
           const uint32_t either = ranks | ranks >> 16;
@@ -134,10 +138,11 @@ namespace embree
           }
         }
 
-        /*! Lower half: intersected ranks. Upper half: passed ranks; if the ray passes an entire child, its first. */
+        /*! Lower half: intersected ranks. Upper half: passed ranks. A passed child has one, its first. */
         uint32_t ranks;
         uint32_t childHit;    //!< mask of children that the ray intersects
-        uint32_t flip, swaps; //!< swaps: a bit per four ranks with swapped alternatives, and childSwap for the children
+        uint32_t flip;        //!< bits in which ranks and grandchildren differ, without swaps
+        uint32_t swaps;       //!< a bit per four ranks with swapped alternatives, and childSwap for the children
       };
     }
   }

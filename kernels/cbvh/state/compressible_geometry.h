@@ -26,7 +26,7 @@ namespace embree
   struct SurfaceState
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until needed
-    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built, and after a change
+    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built; a commit resets outdated ones
     std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built
     bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
     const char* rejectionReason = nullptr;             //!< why a requested compression was not done; may be empty

@@ -28,7 +28,7 @@ namespace embree
       NONE = 0,        //!< it is not, unless floats were requested
       FLOATS = 1,      //!< the block stores floats, or as many bits
       MOVING = 2,      //!< vertices are interpolated between time steps, or the block is a moving mesh block
-      OUT_OF_RANGE = 3 //!< the lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
+      OUT_OF_RANGE = 3 //!< over 2^23 spacings from the origin, over 2^16 wide, or the spacing is below 2^-126
     };
     enum { numClusterReasons = 4 };
 

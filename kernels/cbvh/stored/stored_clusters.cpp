@@ -172,7 +172,7 @@ namespace embree
         uint32_t data[3*QuadTriangles::maxVertices];
       };
 
-      static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,
+      static_assert(maxCompressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,
                     "COMPRESSED1 needs no more room than floats");
     }
 

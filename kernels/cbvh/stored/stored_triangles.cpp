@@ -330,7 +330,7 @@ namespace embree
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
         StoredTriangle& triangle) const
     {
-      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false;
+      if (!(std::isfinite(u) && std::isfinite(v))) return false;
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.searchBlock(blocks[blockOf[primID]],primID);

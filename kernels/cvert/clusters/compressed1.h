@@ -4,20 +4,20 @@
 #pragma once
 
 /* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, DirectX's input format of clusters of triangles for builders on GPUs: a
- * header of 12 bytes, then offsets from its anchor without gaps.
+ * header of 12 bytes, then offsets from its anchor without gaps. docs/formats/clusters.md has the table of bits.
  *
- * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With
- * exponent 232 it requires finite vertices: anchor plus offset within +-8,388,607. This holds here, because vertices
- * are finite floats and 8,388,608 * 2^105 = 2^128 is not. */
+ * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. For the
+ * largest spacing, 2^105, the specification requires anchor plus offset within +-8,388,607. This always holds, because
+ * vertices are finite floats and 8,388,608 * 2^105 = 2^128 is not. */
 
 #include "lattice_points.h"
 
 namespace cvert
 {
-  /*! span: of the vertices, which must fit. order: indices of vertices in `points`. out: zeros, at least
-   *  compressed1Bytes(count). Returns the size in bytes, a multiple of 4. */
+  /*! Writes `count` vertices and returns their size in bytes, a multiple of 4. span: bounds of these vertices; fits()
+   *  must be true. order: their indices in `points`. out: at least maxCompressed1Bytes(count) bytes, all 0. */
   inline size_t writeCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
-                                uint32_t count, uint8_t* out)
+                                  uint32_t count, uint8_t* out)
   {
     const uint32_t bits[3] = { span.bits(0),span.bits(1),span.bits(2) };
     writeWord(out,points.exponent | uint32_t(span.lower[0]) << 8);
@@ -32,6 +32,6 @@ namespace cvert
     return (position + 31)/32*4;
   }
 
-  /*! Upper bound of the size of `count` vertices: header, 3 x 16 bits per vertex, padding. */
-  constexpr size_t compressed1Bytes (size_t count) { return 12 + 6*count + 4; }
+  /*! Bound of the size of `count` vertices: header, 3 x 16 bits per vertex, padding. */
+  constexpr size_t maxCompressed1Bytes (size_t count) { return 12 + 6*count + 4; }
 }

@@ -21,25 +21,26 @@ void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStag
   vk.CmdPipelineBarrier(commands, from, to, 0, 1, &info, 0, nullptr, 0, nullptr);
 }
 
-size_t bytesOf(Query query, size_t count)
+size_t bytesOfRays(Query query, size_t count)
 {
-  const size_t ray = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
-  if (count > SIZE_MAX/ray)
+  const size_t perRay = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
+  if (count > SIZE_MAX/perRay)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
-                      "invalid count " + std::to_string(count) + ": no memory has so many rays");
-  return count*ray;
+                      "invalid count " + std::to_string(count) + ": expected at most "
+                      + std::to_string(SIZE_MAX/perRay));
+  return count*perRay;
 }
 
 } // namespace
 
 Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
   : device(scene.device), held(scene), scene(scene), query(query), count(count),
-    bytes(bytesOf(query, count))
+    bytes(bytesOfRays(query, count))
 {
   onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
   if (!onDevice->mapped && bytes) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
   if (scene.sortsRays && count > 1)
-    order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "the order of rays"));
+    order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "keys and indices of rays"));
   if (bytes) std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
   try {
     if (device.capabilities.timestampBits) {
@@ -48,17 +49,17 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       info.queryCount = numStamps;
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &queryPool), "creating a query pool");
     }
-    /* before submit, which locks the device's mutex while it records */
+    /* before submit, which records under the mutex that these calls lock */
     const VkPipeline pipeline = device.pipeline(query, scene.usesRayQuery, scene.kinds, scene.statistics.stackSize);
-    const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
-    submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });
+    const VkPipeline* orderPipelines = order ? device.makeOrderPipelines() : nullptr;
+    submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, orderPipelines); });
   } catch (...) {
     if (queryPool) device.vk.DestroyQueryPool(device.handles.device, queryPool, nullptr);
     throw;
   }
 }
 
-void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting)
+void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* orderPipelines)
 {
   const DeviceFunctions& vk = device.vk;
   auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) {
@@ -73,7 +74,7 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeli
             VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
   }
   stamp(1, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
-  if (order) recordRayOrder(scene, sorting, commands, {onDevice->address, bytes/count, count, order->address});
+  if (order) recordRayOrder(scene, orderPipelines, commands, {onDevice->address, bytes/count, count, order->address});
   stamp(2, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   scene.record(query, pipeline, commands, onDevice->address, count, order ? order->address : 0);
   stamp(3, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);

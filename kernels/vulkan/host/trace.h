@@ -21,20 +21,21 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits, and copies the rays with their hits. rays and times may be NULL. */
+  /* Waits, then writes the rays with their hits, and the times, 0 without timestamps. Each may be NULL. If the device
+   * failed, throws VulkanError and writes nothing. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;
 
 private:
-  void record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting);
+  void record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* orderPipelines);
   RTCVulkanTimes readTimes() const;
 
   const ScopedRef<Scene> held;
   Scene& scene;
   const Query query;
   const size_t count, bytes;
-  std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL if onDevice is mapped
+  std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL without rays, or if onDevice is mapped
   std::unique_ptr<Buffer> order;               // scratch of the sort; NULL without sorting
   VkQueryPool queryPool = VK_NULL_HANDLE;          // timestamps; null if the queue does not support them
   Device::Submission submission;
