@@ -139,7 +139,8 @@ struct CbvhVertices
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
   float startTime, endTime;   /* times of the first and the last step, finite, startTime < endTime. Steps are evenly
                                * spaced. Vertices are interpolated linearly between steps. Outside of the time range
-                               * there is no surface. Ignored if numSteps is 1 */
+                               * there is no surface. The range may exceed 0 to 1, the times of rays, but rays do not
+                               * hit a surface whose range is entirely outside. Ignored if numSteps is 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
@@ -488,8 +489,8 @@ CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t
  * primitives or more, which the primID of a hit cannot count. The message states the reason. */
 CBVH_API enum CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int known);
 
-/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty, not committed or
- * NULL.
+/* Returns the bounds of a group at all times from 0 to 1: x, y, z. lower is above upper if the group is empty, not
+ * committed or NULL.
  *
  * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
@@ -516,11 +517,12 @@ CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhGroup
 /* --- rays -------------------------------------------------------------------------------- */
 
 /* The layout of RTCRay and RTCHit of Embree 3 and 4, without the last member of Embree 4's RTCHit. Aligned to 16
- * bytes. Distances are in lengths of the direction, which may have any length. */
+ * bytes. Distances are in lengths of the direction, which may be 1e-20 to 1e18. */
 struct CBVH_ALIGNED CbvhRay
 {
   float org_x, org_y, org_z, tnear; /* tnear: smallest distance of hits, not negative */
-  float dir_x, dir_y, dir_z, time;  /* time: for surfaces that move, otherwise ignored */
+  float dir_x, dir_y, dir_z, time;  /* time: 0 to 1, for surfaces that move, otherwise ignored. Rays at other times may
+                                     * miss */
   float tfar;                       /* largest distance of hits, may be infinite. A ray with a negative tfar is not
                                      * traced */
   unsigned int mask;                /* see cbvhSetSurfaceMask */
