@@ -23,8 +23,9 @@
  * quad. Irregular triangles mostly need 7 to 8 bytes each.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
- * failure. cbvhGetErrorText returns the message of the last error. The comment of a function names its error codes,
- * except three that many functions share:
+ * failure. cbvhGetErrorText returns the message of the last error. Functions that return a count, a pointer or bounds
+ * set no message if the object is NULL. The comment of a function names its error codes, except three that many
+ * functions share:
  *
  * - CBVH_ERROR_INVALID_ARGUMENT for an argument that is NULL, unless the comment allows NULL, and for a wrong
  *   structSize. Functions that return a value return 0 or NULL.
@@ -99,22 +100,25 @@ CBVH_API unsigned int cbvhGetVersion(void);
 typedef struct CbvhContextTy* CbvhContext;
 
 /* Called for every error of a context, on the thread that caused it, before the failing function returns. Several
- * threads may call it at the same time. text is valid during the call. If a function fails because an argument is NULL,
- * or because an index of cbvhGetGroupFirstPrimitive is out of range, the error function may not be called. */
+ * threads may call it at the same time. text is valid during the call. The error function is not always called if an
+ * argument is NULL, and not if an index of cbvhGetGroupFirstPrimitive is out of range. */
 typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
 
 /* Creates a context with a reference count of 1.
  *
  * settings: in the syntax of Embree's device configuration, for example "threads=4,isa=avx2". NULL selects the
  *           defaults. An unknown key or instruction set is an error whose message names the nearest valid one.
+ *           "cbvh_max_error=0.01" changes the default of CbvhAccuracy, and so does max_error in the environment
+ *           variable EMBREE_CBVH. Settings that select a representation have no effect.
  * function: called for errors, or NULL.
  * userPtr:  passed to the function.
  * context:  written on success.
  *
  * cbvhRetainContext and cbvhReleaseContext add and remove a reference.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for invalid settings, and CBVH_ERROR_UNSUPPORTED_CPU if the CPU lacks the
- * instruction set that the library requires or that the settings select. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for invalid settings and for an invalid EMBREE_CBVH, and
+ * CBVH_ERROR_UNSUPPORTED_CPU if the CPU lacks the instruction set that the library requires or that the settings
+ * select. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr,
     CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
@@ -135,7 +139,8 @@ struct CbvhVertices
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
   float startTime, endTime;   /* times of the first and the last step, finite, startTime < endTime. Steps are evenly
                                * spaced. Vertices are interpolated linearly between steps. Outside of the time range
-                               * there is no surface. Ignored if numSteps is 1 */
+                               * there is no surface. The range may exceed 0 to 1, the times of rays, but rays do not
+                               * hit a surface whose range is entirely outside. Ignored if numSteps is 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
@@ -163,14 +168,15 @@ enum CbvhBoundary
 };
 
 /* Values at the corners of faces for cbvhInterpolateAttribute, for example texture coordinates. cbvhSetSurfaceCage
- * copies them. */
+ * copies them. They are subdivided with the creases and corners of the cage. */
 struct CbvhAttribute
 {
   const float* values;
-  size_t count, stride;          /* number of values, and bytes from one value to the next */
+  size_t count, stride;          /* number of values, and bytes from one value to the next, a multiple of 4, at least
+                                  * 4*width */
   unsigned int width;            /* floats per value, 1 to 16 */
   const unsigned int* indices;   /* of values, one for each corner of each face. NULL: the indices of the vertices */
-  enum CbvhBoundary boundary;
+  enum CbvhBoundary boundary;    /* of the values. Ignored if indices is NULL: the boundary of the cage holds */
 };
 
 /* A control cage for Catmull-Clark subdivision. Set structSize and zero all other members first. In C++,
@@ -178,28 +184,28 @@ struct CbvhAttribute
 struct CbvhCage
 {
   size_t structSize CBVH_SIZE_OF(CbvhCage);
-  size_t numFaces;
+  size_t numFaces;                      /* below 2^32 - 1, as numIndices */
   const unsigned int* faceVertexCounts; /* number of vertices of each face, at least 3 */
-  size_t numIndices;                 /* sum of faceVertexCounts */
-  const unsigned int* indices;       /* of vertices, face by face */
+  size_t numIndices;                    /* sum of faceVertexCounts */
+  const unsigned int* indices;          /* of vertices, face by face */
   struct CbvhVertices vertices;
 
-  float rate;                        /* quads along each edge, 1 to 4096 */
-  const float* rates;                /* quads along each edge from a vertex of a face to the next, one entry per index.
-                                      * NULL: rate holds for all edges */
+  float rate;                           /* quads along each edge, 1 to 4096. Ignored if rates is not NULL */
+  const float* rates;                   /* quads along each edge from a vertex of a face to the next, 1 to 4096, one
+                                         * entry per index. NULL: rate holds for all edges */
   enum CbvhBoundary boundary;
 
   size_t numCreases;
-  const unsigned int* creases;       /* two vertices each */
-  const float* creaseSharpness;      /* one entry per crease. Infinity is a sharp edge */
+  const unsigned int* creases;          /* two vertices each */
+  const float* creaseSharpness;         /* one entry per crease. Infinity is a sharp edge */
   size_t numCorners;
-  const unsigned int* corners;       /* vertices */
-  const float* cornerSharpness;      /* one entry per corner */
+  const unsigned int* corners;          /* vertices */
+  const float* cornerSharpness;         /* one entry per corner */
   size_t numHoles;
-  const unsigned int* holes;         /* numHoles faces that are left out */
+  const unsigned int* holes;            /* numHoles faces that are left out */
 
   CbvhDisplacementFunction displacement; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
-  void* displacementUserPtr;         /* passed to the displacement function. Must be valid until the commit */
+  void* displacementUserPtr;            /* passed to the displacement function. Must be valid until the commit */
 
   size_t numAttributes;
   const struct CbvhAttribute* attributes;
@@ -210,14 +216,14 @@ struct CbvhGrid
 {
   unsigned int startVertexID;       /* first vertex */
   unsigned int stride;              /* number of vertices from one row to the next */
-  unsigned short width, height;     /* in vertices, at least 2 */
+  unsigned short width, height;     /* in vertices. A grid of less than 2 x 2 vertices has no quads */
 };
 
 /* Grids of vertices, for example diced patches. */
 struct CbvhGrids
 {
   size_t structSize CBVH_SIZE_OF(CbvhGrids);
-  size_t numGrids;
+  size_t numGrids;                  /* below 2^32 - 1 */
   const struct CbvhGrid* grids;
   struct CbvhVertices vertices;
 };
@@ -230,7 +236,7 @@ struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
   unsigned int verticesPerFace;     /* 4: quads, 3: triangles */
-  size_t numFaces;                  /* number of quads or triangles */
+  size_t numFaces;                  /* number of quads or triangles, below 2^32 - 1 */
   const unsigned int* indices;      /* of vertices, `verticesPerFace` per quad or triangle */
   struct CbvhVertices vertices;
 };
@@ -254,22 +260,23 @@ struct CbvhDicingArguments
   float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera, at least 1.
                                      * 0: 8 */
   float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
-  const float* maxRates;            /* the same for each edge, for example the number of texels along it: one entry per
-                                     * index. An edge of two faces gets the higher of their rates. NULL: maxRate
-                                     * holds for all edges */
+  const float* maxRates;            /* further bound for each edge, for example the number of texels along it: one entry
+                                     * per index, at least 1. An edge of two faces gets the higher of their rates. NULL:
+                                     * only maxRate holds */
 };
 
-/* Bounds of the error of stored vertices. If all members are zero, the spacing of the lattice is at most 1/36 of the
+/* Bounds of the error of stored vertices. If both bounds are zero, the spacing of the lattice is at most 1/36 of the
  * median edge of quads for cages, 1/512 for grids, and 1/2048 for meshes. See also cbvhSetSurfaceLossless. */
 struct CbvhAccuracy
 {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
-  float maxError;                   /* world units: largest spacing of the lattice. 0: no bound. A vertex moves by at
-                                     * most half a spacing on each axis, which is 0.866 spacings in space */
+  float maxError;                   /* in units of the vertices: largest spacing of the lattice. A vertex moves by at
+                                     * most half a spacing on each axis, which is 0.866 spacings in space. 0: the bound
+                                     * that the settings of the context select, or none */
   float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
                                      * smaller one holds */
-  float cameraPosition[3];          /* world units */
-  float pixelSize;                  /* width of a pixel at distance 1 */
+  float cameraPosition[3];          /* in the space of the vertices */
+  float pixelSize;                  /* width of a pixel at distance 1. Positive if maxPixelError is not 0 */
 };
 
 /* Creates a surface without input.
@@ -330,7 +337,8 @@ CBVH_API enum CbvhError cbvhSetSurfaceLossless(CbvhSurface surface, int lossless
 
 /* Sets the mask of a surface. A ray can hit the surface if its mask and the surface's mask have a common bit. By
  * default all bits are set. The mask takes effect with the next cbvhCommitGroup of a group that contains the
- * surface, and then in all groups that contain it.
+ * surface, and then in all groups that contain it: rays that trace another group meanwhile use the former mask or the
+ * new one.
  *
  * Returns CBVH_OK, or an error that all functions share. */
 CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask);
@@ -410,6 +418,9 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  * path:    of a regular file that contains one surface.
  * surface: written on success.
  *
+ * The file may have any representation of Embree CBVH. Surfaces in cLEAF and cVOXEL have no triangles, and parts in
+ * cGRID have up to 256 x 256 quads.
+ *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
  * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
  * visits them for the first time: damaged ones are left out, and the first one is reported to the error function. */
@@ -478,8 +489,8 @@ CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t
  * primitives or more, which the primID of a hit cannot count. The message states the reason. */
 CBVH_API enum CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int known);
 
-/* Returns the bounds of a group at all times: x, y, z. lower is above upper if the group is empty, not committed or
- * NULL.
+/* Returns the bounds of a group at all times from 0 to 1: x, y, z. lower is above upper if the group is empty, not
+ * committed or NULL.
  *
  * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
@@ -506,11 +517,12 @@ CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhGroup
 /* --- rays -------------------------------------------------------------------------------- */
 
 /* The layout of RTCRay and RTCHit of Embree 3 and 4, without the last member of Embree 4's RTCHit. Aligned to 16
- * bytes. Distances are in lengths of the direction, which may have any length. */
+ * bytes. Distances are in lengths of the direction, which may be 1e-20 to 1e18. */
 struct CBVH_ALIGNED CbvhRay
 {
   float org_x, org_y, org_z, tnear; /* tnear: smallest distance of hits, not negative */
-  float dir_x, dir_y, dir_z, time;  /* time: for surfaces that move, otherwise ignored */
+  float dir_x, dir_y, dir_z, time;  /* time: 0 to 1, for surfaces that move, otherwise ignored. Rays at other times may
+                                     * miss */
   float tfar;                       /* largest distance of hits, may be infinite. A ray with a negative tfar is not
                                      * traced */
   unsigned int mask;                /* see cbvhSetSurfaceMask */
@@ -533,7 +545,7 @@ struct CBVH_ALIGNED CbvhRayHit
 /* Arguments of a filter function, which accepts or rejects hits. rays, hits: in the layout of RTCRayN and RTCHitN for
  * `count` rays: word i + count*m is member m of ray i, with all members of CbvhRay and CbvhHit in order, 4 bytes each.
  * tfar of a ray is the distance of its hit. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject
- * the hit. The function may trace rays. */
+ * the hit. The function must not change rays and hits. It may trace other rays. */
 struct CbvhFilterArguments
 {
   int* valid;
@@ -552,7 +564,7 @@ enum CbvhQueryFlags
 struct CbvhQuery
 {
   size_t structSize CBVH_SIZE_OF(CbvhQuery);
-  unsigned int flags;          /* bits of CbvhQueryFlags */
+  unsigned int flags;          /* bits of CbvhQueryFlags, all others 0 */
   CbvhFilterFunction filter;   /* called on the tracing thread. NULL: every hit counts */
   void* filterUserPtr;         /* passed to the filter function */
 };
@@ -607,21 +619,23 @@ struct CbvhTriangle
  *               of meshes have the vertex order of the primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
  * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
- * outside of the time range, and on errors. The error function is called if the surface is not committed or its file
- * has a damaged block. */
+ * outside of the time range, and on errors. The error function is called if the surface is not committed, or if its
+ * file has a damaged block or stores no triangles. */
 CBVH_API int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
 
 /* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
- * (x+1,y), (x+1,y+1). An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which
- * the second triangle, or the first one, may be missing. A missing triangle has two equal vertices. */
+ * (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats.
+ *
+ * An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which the second triangle,
+ * or the first one, may be missing. A missing triangle has two equal vertices. */
 struct CbvhPart
 {
   unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
   unsigned int width, height;  /* in vertices */
   const float* vertices;       /* x, y, z of each vertex, row by row. Triangles with a NaN are left out */
   const float* parameters;     /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
-  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad */
+  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
   unsigned int primitivesPerQuad; /* 0: cages and grids. 1: meshes of quads. 2: meshes of triangles; the second
                                    * primitive is the first one again if the quad has one triangle */
 };
@@ -638,7 +652,7 @@ typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
  * userPtr:  passed to the function.
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_OPERATION if the surface is not
- * committed, or if its file has a damaged block. */
+ * committed, or if its file has a damaged block or stores no triangles. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
 /* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
@@ -687,11 +701,11 @@ struct CbvhClusterStatistics
 {
   size_t structSize CBVH_SIZE_OF(CbvhClusterStatistics);
   size_t numClusters, numTriangles;
-  size_t numVertices;            /* shared vertices count once for each cluster */
-  size_t bytes;                  /* of data */
-  size_t indexBytes;             /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
-                                  * DGF, whose blocks contain indices */
-  size_t numClustersByReason[4]; /* by CbvhClusterReason */
+  size_t numVertices;             /* shared vertices count once for each cluster */
+  size_t bytes;                   /* of data */
+  size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
+                                   * DGF, whose blocks contain indices */
+  size_t numClustersByReason[4];  /* by CbvhClusterReason */
   size_t numTrianglesByReason[4]; /* by CbvhClusterReason */
 };
 
@@ -699,6 +713,7 @@ struct CbvhClusterStatistics
 typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* cluster);
 
 /* Calls a function for all clusters of a surface at a time, on the calling thread. The order is the same for each call.
+ * Each block is decoded when its clusters are passed.
  *
  * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
  * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left
@@ -713,8 +728,8 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  *             error ends the enumeration.
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_ARGUMENT for an unknown format.
- * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block, or if it has
- * more triangles than the 29-bit primitive indices of DGF can count. */
+ * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block or stores no
+ * triangles, or if it has more triangles than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
     CbvhClusterFunction function, void* userPtr, struct CbvhClusterStatistics* statistics);
 

@@ -37,7 +37,7 @@ extern "C" {
 enum CbvhGeometryFlags
 {
   /* Calls the filter functions of the geometry, with Embree 3 also the filter functions of contexts. Each call has one
-   * hit. */
+   * hit, which the filter accepts or rejects. Changes that the filter makes to the ray or the hit have no effect. */
   CBVH_GEOMETRY_FLAG_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
   /* Calls the filter of a CbvhFilterContext, which must be the context of each query that may hit the geometry: Embree
@@ -223,8 +223,9 @@ static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArgum
       *cbvhInternalWordOf(&one.ray, 1, word, 0) = *cbvhInternalWordOf(rays, N, word, i);
     one.hit.geomID = one.hit.instID = RTC_INVALID_GEOMETRY_ID;
     if (!cbvhIntersect1(group, &one, &query)) continue;
-    *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) = *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR,
-    0); for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
+    *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) =
+      *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
+    for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
       *cbvhInternalWordOf(hits, N, word, i) = *cbvhInternalWordOf(&one.hit, 1, word, 0);
     cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
   }

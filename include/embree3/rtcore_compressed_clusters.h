@@ -61,10 +61,10 @@ struct RTCCompressedClusterStatistics
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedClusterStatistics); /* see rtcore_compression.h */
   size_t numClusters, numTriangles;
-  size_t numVertices;       /* shared vertices count once for each cluster */
-  size_t bytes;             /* of data */
-  size_t indexBytes;        /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for DGF,
-                             * whose blocks contain indices */
+  size_t numVertices;             /* shared vertices count once for each cluster */
+  size_t bytes;                   /* of data */
+  size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
+                                   * DGF, whose blocks contain indices */
   size_t numClustersByReason[4];  /* by RTCCompressedClusterReason */
   size_t numTrianglesByReason[4]; /* by RTCCompressedClusterReason */
 };
@@ -73,6 +73,7 @@ struct RTCCompressedClusterStatistics
 typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCCompressedCluster* cluster);
 
 /* Calls a function for all clusters of a surface at a time, on the calling thread. The order is the same for each call.
+ * Each block is decoded when its clusters are passed.
  *
  * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
  * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left out,

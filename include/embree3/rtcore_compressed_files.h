@@ -59,7 +59,7 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path
 
 /* Creates a writer for a file with any number of geometries.
  *
- * device: receives the errors.
+ * device: retained; receives the errors.
  * path:   as for rtcSaveCompressedGeometry.
  *
  * Returns the writer, to be released by rtcReleaseCompressedFileWriter, or NULL.
@@ -125,7 +125,7 @@ RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
 /* Opens a file with any number of geometries. The function maps the file, and reads and checks its header and
  * directory. Any number of threads may use an open file at the same time, but only one may release it.
  *
- * device: of geometries that are created from the file; receives the errors.
+ * device: of geometries that are created from the file. Retained; receives the errors.
  * path:   as for rtcLoadCompressedGeometry.
  *
  * Returns the file, to be released by rtcReleaseCompressedFile, or NULL.
@@ -163,8 +163,8 @@ struct RTCCompressedFileGeometryInfo
 RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile file, unsigned int index,
     struct RTCCompressedFileGeometryInfo* description);
 
-/* Returns the compression statistics of a geometry in a file, without loading the geometry. They are those of its last
- * commit before it was saved.
+/* Returns the compression statistics of a geometry in a file, without loading the geometry: the statistics of its last
+ * commit before it was saved, but numUnsupportedFaces, inputBytes and cacheBytesPerThread are 0.
  *
  * file:       open.
  * index:      below rtcGetCompressedFileGeometryCount.
@@ -178,7 +178,7 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
 
 /* Creates a geometry from one in an open file, as rtcLoadCompressedGeometry does. The file may be released before the
  * geometry. Each call creates another geometry. Two geometries with the same index do not share the memory of blocks
- * that rays visit: use an instance instead.
+ * that rays visit: instance one geometry instead.
  *
  * file:  open.
  * index: below rtcGetCompressedFileGeometryCount.

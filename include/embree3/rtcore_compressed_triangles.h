@@ -53,7 +53,7 @@ struct RTCCompressedPart
   unsigned int width, height;  /* in vertices */
   const float* vertices;       /* x, y, z of width*height vertices, row by row. Triangles with a NaN are left out */
   const float* parameters;     /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
-  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad */
+  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
   unsigned int primitivesPerQuad; /* 0: subdivision surfaces and grids. 1: quad meshes. 2: triangle meshes: the primID
                                    * of the quad's first triangle, then that of its second triangle, or the first one
                                    * again if there is no second triangle */
@@ -63,11 +63,10 @@ struct RTCCompressedPart
 typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompressedPart* part);
 
 /* Calls a function for all parts of a surface at a time, on the calling thread, in unspecified order. Each part is
- * decoded when it is passed: the function needs no memory for the whole surface. There are no parts outside of the time
- * range of the geometry.
+ * decoded when it is passed: the function needs no memory for the whole surface.
  *
  * geometry: as for rtcFindCompressedTriangle.
- * time:     of rays. Ignored for geometry that does not move.
+ * time:     of rays. Ignored for geometry that does not move. Outside of the time range there are no parts.
  * function: not NULL.
  * userPtr:  passed to the function.
  *

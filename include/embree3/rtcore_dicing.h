@@ -31,8 +31,9 @@ struct RTCDicingArguments
   float outsideFactor;     /* factor of quadSize far outside of the picture and behind the camera. Default 8, at
                             * least 1 */
   float maxRate;           /* largest number of quads along an edge. Default 4096, 1 to 4096 */
-  const float* maxRates;   /* the same for each edge, for example the number of texels along it: one entry per index.
-                            * An edge of two faces gets the higher of their rates. NULL: maxRate holds for all edges */
+  const float* maxRates;   /* further bound for each edge, for example the number of texels along it: one entry per
+                            * index, at least 1. An edge of two faces gets the higher of their rates. NULL: only maxRate
+                            * holds */
 };
 
 /* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their

@@ -65,13 +65,13 @@ typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
 struct RTCVulkanDeviceInfo
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
-  char name[256];           /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-  char driver[256];         /* name and version of the driver */
+  char name[256];              /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
+  char driver[256];            /* name and version of the driver */
   char unsupportedReason[256]; /* features that the device lacks, or an error of its driver; empty if it is supported */
-  unsigned int isDiscrete;  /* 1 if the device has its own memory */
-  unsigned int hasFloat64;  /* 1 if it has shaderFloat64 */
-  size_t memoryBytes;       /* size of the largest heap of the device's memory */
-  unsigned int hasRayQuery; /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their features */
+  unsigned int isDiscrete;     /* 1 if the device has its own memory */
+  unsigned int hasFloat64;     /* 1 if it has shaderFloat64 */
+  size_t memoryBytes;          /* size of the largest heap of the device's memory */
+  unsigned int hasRayQuery;    /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their features */
 };
 
 /* Lists the Vulkan devices of the machine, in the order of the Vulkan loader.
@@ -84,7 +84,7 @@ struct RTCVulkanDeviceInfo
  *
  * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader or no driver. RTC_ERROR_INVALID_ARGUMENT for a wrong
  * structSize. An unsupported device is no error, see RTCVulkanDeviceInfo::unsupportedReason. */
-RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
+RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
 
 /* Opens a Vulkan device.
  *
@@ -96,7 +96,7 @@ RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDevi
  *
  * Errors: RTC_ERROR_UNSUPPORTED_CPU if there is no loader, no driver or no device, or if all devices that fit lack a
  * feature. RTC_ERROR_INVALID_ARGUMENT if no device has this index or name. */
-RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* selector);
+RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice device, const char* selector);
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
  * The application owns them and keeps them valid while the RTCVulkanDevice exists. */
@@ -126,21 +126,21 @@ struct RTCVulkanHandles
  * that is required or that a member declares as enabled, or queueFamily does not support compute.
  * RTC_ERROR_INVALID_OPERATION if the instance or the device has no functions of Vulkan 1.2 or of an extension that a
  * member declares as enabled. */
-RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice device, const struct RTCVulkanHandles* handles);
 
 /* Add and remove a reference to a device. Removing the last one closes it. Scenes of the device hold a reference.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
-RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
-RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
+RTC_API void rtcRetainVulkanDevice(RTCVulkanDevice device);
+RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device);
 
 /* Return the description and the handles of a device.
  *
  * info, handles: written during the call, not NULL; structSize is read.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
-RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
-RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
+RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
+RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, struct RTCVulkanHandles* handles);
 
 /* --- scenes ---------------------------------------------------------------------------- */
 
@@ -201,23 +201,23 @@ struct RTCVulkanSceneArguments
  * not committed, unsupported geometry, instances of scenes with instances, a damaged block, an exceeded limit of the
  * device, and for ray queries or imported memory that the device does not support. If the scene belongs to another
  * RTCDevice than the Vulkan device, that one may receive the reason. */
-RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene,
+RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene scene,
     const struct RTCVulkanSceneArguments* args);
 
 /* Add and remove a reference to a scene. Removing the last one frees its memory on the device: no command that traces
  * the scene may be pending then. Traces of the rtcStart functions hold a reference.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
-RTC_API void rtcRetainVulkanScene (RTCVulkanScene scene);
-RTC_API void rtcReleaseVulkanScene (RTCVulkanScene scene);
+RTC_API void rtcRetainVulkanScene(RTCVulkanScene scene);
+RTC_API void rtcReleaseVulkanScene(RTCVulkanScene scene);
 
 /* Returns the argument `scene` of cbvhIntersect in shaders, which receive it as two words, the lower word first. The
  * address is valid as long as the scene. */
-RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
+RTC_API VkDeviceAddress rtcGetVulkanSceneAddress(RTCVulkanScene scene);
 
 /* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines CBVH_KINDS
  * as this mask contains code for no other kinds. */
-RTC_API unsigned int rtcGetVulkanSceneLeafKinds (RTCVulkanScene scene);
+RTC_API unsigned int rtcGetVulkanSceneLeafKinds(RTCVulkanScene scene);
 
 /* Lists the instances that place a scene in a top-level structure of the application: one for each geometry, and one
  * for each geometry of each instanced scene.
@@ -232,7 +232,7 @@ RTC_API unsigned int rtcGetVulkanSceneLeafKinds (RTCVulkanScene scene);
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the scene was not created for ray
  * queries. */
-RTC_API unsigned int rtcGetVulkanSceneInstances (RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances,
+RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances,
     unsigned int capacity);
 
 /* Memory of a scene on its device, and its size. */
@@ -256,7 +256,7 @@ struct RTCVulkanSceneStatistics
  * statistics: written during the call, not NULL; structSize is read.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
-RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
+RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
 
 /* --- tracing --------------------------------------------------------------------------- */
 
@@ -271,9 +271,9 @@ RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkan
  * must exist until the commands have been executed. `count` may be 0.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for an address that is 0 or not a multiple of 16. */
-RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count);
-RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count);
 
 /* Record commands that sort the indices of rays by origin and direction, and that trace in this order. Rays stay
@@ -287,22 +287,23 @@ RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer comm
  * rays:   device address, a multiple of 16. rtcRecordVulkanRayOrder accepts any rays that begin like an RTCRay.
  * stride: bytes from one ray to the next, a multiple of 4, at least 28.
  * count:  of rays, at most 2^27.
- * order:  device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. 0 traces without an order.
+ * order:  device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. The functions that trace accept
+ *         0, which traces without an order.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an invalid address, an invalid stride, and a count above 2^27 or above
- * the device's limit. */
-RTC_API size_t rtcGetVulkanRayOrderBytes (size_t count);
-RTC_API bool rtcRecordVulkanRayOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+ * the device's limit. rtcGetVulkanRayOrderBytes has no device: rtcGetDeviceError(NULL) returns its error. */
+RTC_API size_t rtcGetVulkanRayOrderBytes(size_t count);
+RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t stride, size_t count, VkDeviceAddress order);
-RTC_API bool rtcRecordVulkanIntersectInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+RTC_API bool rtcRecordVulkanIntersectInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count, VkDeviceAddress order);
-RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t count, VkDeviceAddress order);
 
 /* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
-RTC_API void rtcSetVulkanSceneRaySorting (RTCVulkanScene scene, bool enabled);
+RTC_API void rtcSetVulkanSceneRaySorting(RTCVulkanScene scene, bool enabled);
 
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
@@ -323,13 +324,13 @@ struct RTCVulkanTimes
  * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcWaitVulkanTrace.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a count that exceeds a limit. */
-RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
-RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
+RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
+RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
 /* Returns true if a trace has ended, also if it failed, so that rtcWaitVulkanTrace does not wait. Does not wait itself.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
-RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
+RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace);
 
 /* Waits for a trace, writes its rays and releases it, also on failure.
  *
@@ -340,6 +341,6 @@ RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
  * unchanged then.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. RTC_ERROR_UNKNOWN if the device was lost. */
-RTC_API bool rtcWaitVulkanTrace (RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
+RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
 
 RTC_NAMESPACE_END

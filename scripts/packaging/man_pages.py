@@ -13,7 +13,7 @@ comment is an error. The result type of all functions of a header, such as an er
 The beginning of a paragraph decides its place on the page:
 
     name: ...            an argument, or several (u, v: ...), if the functions have arguments of these names
-    Returns ...          RETURN VALUE
+    Returns ...          RETURN VALUE. In the comment of several functions: Return ...
     Errors: ...          ERRORS
     Thread safety: ...   NOTES
     - ...                an entry of a list
@@ -35,11 +35,11 @@ TYPE = re.compile(
     re.S | re.M,
 )
 LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
-SIZE_OF = re.compile(r" (?:RTC|CBVH)_SIZE_OF\(\w+\)")  # the default of structSize in C++
+SIZE_OF = re.compile(r" (?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)")  # the default of structSize in C++
 STRUCT_SIZE = (
     "Set structSize to the sizeof of its struct: in C++, T s = T() does so; in C, T s = {.structSize = sizeof(s)}."
 )
-SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
+SECTIONS = {"Returns ": "RETURN VALUE", "Return ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 FIRST_VERSION = "0.9.0"
 SECOND_VERSION = "1.0.0"  # the next release
 FUNCTIONS_OF_FIRST_VERSION = frozenset(

@@ -63,7 +63,9 @@ CBVH_API unsigned int cbvhCount(void);
 
 /* Joins pairs.
  *
- * first: a pair. */
+ * first: a pair.
+ *
+ * Return the number of pairs. */
 CBVH_API int cbvhJoin(const struct CbvhPair* first,
     const struct CbvhPair* second,
     int flags);
@@ -94,6 +96,9 @@ class KnownHeader(unittest.TestCase):
         description = section(self.visit, "DESCRIPTION")
         self.assertEqual(re.findall(r'^\.IP "([^"]*)"', description, re.M), ["function", "u, v"])
         self.assertIn("primitive: v0, v1 are no arguments: this is prose.", description)
+
+    def test_return_value_may_be_described_for_several_functions(self):
+        self.assertIn("Return the number of pairs.", section(self.pages["cbvhJoin.3cbvh"], "RETURN VALUE"))
 
     def test_types_and_callbacks_have_their_comments(self):
         synopsis = section(self.visit, "SYNOPSIS")

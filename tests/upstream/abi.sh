@@ -22,17 +22,13 @@ comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFlattenScene \
-  rtcForEachCompressedCluster rtcForEachCompressedPart \
-  rtcForEachCompressedPart rtcGetCompressedFileGeometryCount rtcGetCompressedFileGeometryInfo \
-  rtcGetCompressedFileGeometryStatistics \
-  rtcGetCompressedFileWriterGeometryCount rtcFindCompressedTriangle rtcFindCompressedTriangle \
+printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFindCompressedTriangle \
+  rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart rtcGetCompressedFileGeometryCount \
+  rtcGetCompressedFileGeometryInfo rtcGetCompressedFileGeometryStatistics rtcGetCompressedFileWriterGeometryCount \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
-  rtcNewCompressedFileWriter \
-  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile \
-  rtcReleaseCompressedFileWriter \
-  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression \
-  rtcVerifyCompressedFile > "$work/api"
+  rtcNewCompressedFileWriter rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError \
+  rtcReleaseCompressedFile rtcReleaseCompressedFileWriter rtcReleaseFlatScene rtcResumeCompressedFileWriter \
+  rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }

@@ -151,7 +151,8 @@ auto array(std::vector<Element> Cage::*member)
 
 constexpr const char* cageText = R"(Control cage of a Catmull-Clark subdivision surface, checked by OpenSubdiv.
 
-The arrays are read-only. Corners of faces are counterclockwise as seen from the front.)";
+The arrays are read-only views, except bounds, which is a copy. Corners of faces are counterclockwise as seen from the
+front.)";
 
 constexpr const char* makeText = R"(Creates a cage from arrays.
 

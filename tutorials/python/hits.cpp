@@ -132,7 +132,9 @@ void requireRays(const Hits& hits, const std::string& argument, size_t rays, con
 void defineHits(py::module_& module)
 {
   py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits",
-                                          R"(Hits of rays, in read-only arrays of the shape of the rays, (...) below.
+                                          R"(Hits of rays, in arrays of the shape of the rays, (...) below.
+
+t, u, v and Ng are read-only views of the hits. hit, primID and geomID are new arrays at each access.
 
 Hits on NAIVE's triangles are converted to the surface: primID, u and v have the same meaning in all representations, so
 hits can be compared.)")

@@ -361,7 +361,8 @@ representation: a compressed one: )" + wordsOf(&Representation::isCompressed, "\
   "naive", its triangles, or "naive-compact", these in Embree's compact mode. A frame level may follow: "cleaf^3".
   "cleaf" stores faces that its leaves approximate badly as "cvert" does; "cleaf-only" has leaves for all
   faces, as in the paper.
-level: )" + levelRange() + R"(, 2**level x 2**level quads per face.
+level: )" + levelRange() + R"(, 2**level x 2**level quads per face of 4 vertices. Other faces have a quarter as many per
+  corner, at least 1.
 frame_level: )" + levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
   )" + wordsOf(&Representation::hasFrames, "") + R"(.
 max_error: bound in world units on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness

@@ -38,8 +38,8 @@ class Vertices(ctypes.Structure):
         ("stride", ctypes.c_size_t),
         ("steps", ctypes.POINTER(ctypes.c_void_p)),
         ("num_steps", ctypes.c_uint),
-        ("begin", ctypes.c_float),
-        ("end", ctypes.c_float),
+        ("start_time", ctypes.c_float),
+        ("end_time", ctypes.c_float),
     ]
 
 
@@ -48,8 +48,8 @@ class Mesh(ctypes.Structure):
 
     _fields_ = [
         ("struct_size", ctypes.c_size_t),
-        ("corners", ctypes.c_uint),
-        ("count", ctypes.c_size_t),
+        ("vertices_per_face", ctypes.c_uint),
+        ("num_faces", ctypes.c_size_t),
         ("indices", ctypes.c_void_p),
         ("vertices", Vertices),
     ]

@@ -18,9 +18,13 @@
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
  *
- * A CbvhRay has the members of RTCRay, and a CbvhHit has the members of RTCHit and the distance t. tnear, tfar and t
- * are in lengths of the direction. After a miss, t is tfar and the IDs are CBVH_NONE. Only the functions and types on
- * this page are the API; other names may change in any version.
+ * The members of a CbvhRay have these names and this order. cbvhMakeRay(origin, tnear, direction, tfar) returns a ray
+ * with all bits of the mask, at time 0. A CbvhHit has the distance t and the members of RTCHit: u, v, Ng, primID,
+ * geomID and instID. tnear, tfar and t are in lengths of the direction. After a miss, t is tfar and the IDs are
+ * CBVH_NONE.
+ *
+ * The API consists of the functions, types, constants and macros that this comment names. CbvhNearestHit has no public
+ * members. Other names may change in any version.
  *
  * Each call inlines the traversal. A loop around one call compiles faster than several calls.
  *
@@ -41,6 +45,10 @@
  *     else rayQueryConfirmIntersectionEXT(query);
  *   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionGeneratedEXT)
  *     hit = cbvhGetHit(found);
+ *
+ * An intersection shader calls cbvhIntersectBox(scene, customIndex, box, ray, anyHit, found) instead, with the custom
+ * index of the instance, the index of the box (gl_PrimitiveID), and a compile-time constant: true if any hit suffices.
+ * If it returns true, cbvhGetHit(found) returns the hit.
  */
 
 #ifndef CBVH_GLSL

@@ -12,7 +12,7 @@
 #include "memory.glsl"
 #include "../../cbvh/framed/local_ray.h"
 
-/* Same as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. Rays with tnear > tfar
+/* A ray, as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. Rays with tnear > tfar
  * and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask shares a bit with its
  * own, at `time` in [0,1]. */
 struct CbvhRay
@@ -30,7 +30,7 @@ CbvhRay cbvhMakeRay (vec3 origin, float tnear, vec3 direction, float tfar) {
   return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
 }
 
-/* Same as RTCHit. In an instance, Ng is in the space of the instanced scene. */
+/* A hit, as RTCHit, and its distance. In an instance, Ng is in the space of the instanced scene. */
 struct CbvhHit
 {
   float t;
