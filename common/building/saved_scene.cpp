@@ -60,7 +60,7 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
       rtcAttachGeometryByID(scene.get(), geometry.get(), i);
   });
   for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
-    facesPerGeometry = std::max(facesPerGeometry, geometry.primitiveCount);
+    facesPerGeometry = std::max(facesPerGeometry, geometry.numPrimitives);
   rtcCommitScene(scene.get());
   device->check("opening a file");
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());

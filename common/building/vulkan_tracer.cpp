@@ -123,8 +123,8 @@ public:
 private:
   double finish(RTCVulkanTrace trace, void* rays) const
   {
-    RTCVulkanTimes times = {};
-    if (!trace || !rtcWaitVulkanTrace(trace, rays, &times))
+    RTCVulkanTraceTimes times = {};
+    if (!trace || !rtcFinishVulkanTrace(trace, rays, &times))
     {
       device->errors.check("tracing on a Vulkan device");
       throw Error("tracing on a Vulkan device failed");

@@ -133,7 +133,7 @@ typedef struct CbvhSurfaceTy* CbvhSurface;
  * each time step must then be readable. */
 struct CbvhVertices
 {
-  size_t count;
+  size_t numVertices;
   size_t stride;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
   const float* const* steps;  /* one pointer per time step */
   unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
@@ -172,8 +172,8 @@ enum CbvhBoundary
 struct CbvhAttribute
 {
   const float* values;
-  size_t count, stride;          /* number of values, and bytes from one value to the next, a multiple of 4, at least
-                                  * 4*width */
+  size_t numValues;
+  size_t stride;                 /* bytes from one value to the next, a multiple of 4, at least 4*width */
   unsigned int width;            /* floats per value, 1 to 16 */
   const unsigned int* indices;   /* of values, one for each corner of each face. NULL: the indices of the vertices */
   enum CbvhBoundary boundary;    /* of the values. Ignored if indices is NULL: the boundary of the cage holds */
@@ -545,7 +545,8 @@ struct CBVH_ALIGNED CbvhRayHit
 /* Arguments of a filter function, which accepts or rejects hits. rays, hits: in the layout of RTCRayN and RTCHitN for
  * `count` rays: word i + count*m is member m of ray i, with all members of CbvhRay and CbvhHit in order, 4 bytes each.
  * tfar of a ray is the distance of its hit. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject
- * the hit. The function must not change rays and hits. It may trace other rays. */
+ * the hit. As in Embree, the function may change Ng, u, v and primID of a hit that it accepts, and decrease tfar. It
+ * must not change anything else. It may trace other rays. */
 struct CbvhFilterArguments
 {
   int* valid;
@@ -582,8 +583,8 @@ struct CbvhQuery
  * rays:  a packet in the layout of Embree's RTCRayHit4, 8 or 16, aligned to 16, 32 or 64 bytes.
  * query: NULL selects the defaults.
  *
- * If structSize of the query is wrong, functions that trace rays call the error function, trace nothing and return
- * 0. If the group or the rays are NULL, they return 0. */
+ * If structSize or flags of the query are invalid, functions that trace rays call the error function, trace nothing and
+ * return 0. If the group or the rays are NULL, they return 0. */
 CBVH_API int cbvhIntersect1(CbvhGroup group, struct CbvhRayHit* ray, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
@@ -705,8 +706,8 @@ struct CbvhClusterStatistics
   size_t bytes;                   /* of data */
   size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
                                    * DGF, whose blocks contain indices */
-  size_t numClustersByReason[4];  /* by CbvhClusterReason */
-  size_t numTrianglesByReason[4]; /* by CbvhClusterReason */
+  size_t numClustersByReason[8];  /* index: a CbvhClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8]; /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning 0 ends the enumeration. */

@@ -37,7 +37,8 @@ extern "C" {
 enum CbvhGeometryFlags
 {
   /* Calls the filter functions of the geometry, with Embree 3 also the filter functions of contexts. Each call has one
-   * hit, which the filter accepts or rejects. Changes that the filter makes to the ray or the hit have no effect. */
+   * hit. As in Embree, a filter may change an accepted hit and decrease tfar. Changes of geomID and instID have no
+   * effect. */
   CBVH_GEOMETRY_FLAG_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
   /* Calls the filter of a CbvhFilterContext, which must be the context of each query that may hit the geometry: Embree
@@ -77,14 +78,19 @@ static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, uns
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
+/* Returns the number of the first primitive of the surface that hit i is on. */
+static inline unsigned int cbvhInternalFirstPrimitive(void* hits, unsigned int N, unsigned int i, CbvhGroup group)
+{
+  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
+  return surface == 0 ? 0 : cbvhGetGroupFirstPrimitive(group, surface);
+}
+
 /* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
 static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group,
                                            unsigned int geomID, const CbvhInternalContext* context)
 {
-  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
   unsigned int level;
-  if (surface != 0)
-    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
+  *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhInternalFirstPrimitive(hits, N, i, group);
   *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i) = geomID;
   for (level = 0; level < RTC_MAX_INSTANCE_LEVEL_COUNT; level++) {
     *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + level, i) = context->instID[level];
@@ -108,11 +114,11 @@ struct CbvhInternalFilterCall
 };
 
 /* Calls the application's filters for one hit at a time: IDs must be translated, and the application's RTCHit may be
- * larger. */
+ * larger. Takes over what a filter may change. */
 static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args)
 {
   const struct CbvhInternalFilterCall* const call = (const struct CbvhInternalFilterCall*)args->userPtr;
-  unsigned int i, word;
+  unsigned int i, word, firstPrimitive;
   for (i = 0; i < args->count; i++)
   {
     struct RTCFilterFunctionNArguments filter;
@@ -124,6 +130,7 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
       *cbvhInternalWordOf(&ray, 1, word, 0) = *cbvhInternalWordOf(args->rays, args->count, word, i);
     for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
       *cbvhInternalWordOf(&hit, 1, word, 0) = *cbvhInternalWordOf(args->hits, args->count, word, i);
+    firstPrimitive = cbvhInternalFirstPrimitive(&hit, 1, 0, call->group);
     cbvhInternalWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
     filter.valid = &valid;
     filter.geometryUserPtr = call->group;
@@ -148,7 +155,12 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
       if (query->filter) query->filter(&filter);
     }
 #endif
-    if (!valid) args->valid[i] = 0;
+    if (!valid) { args->valid[i] = 0; continue; }
+    *cbvhInternalWordOf(args->rays, args->count, CBVH_INTERNAL_RAY_TFAR, i) =
+      *cbvhInternalWordOf(&ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
+    hit.primID -= firstPrimitive; /* cbvhInternalWriteHitIDs adds it again */
+    for (word = 0; word <= CBVH_INTERNAL_HIT_PRIM_ID; word++)
+      *cbvhInternalWordOf(args->hits, args->count, word, i) = *cbvhInternalWordOf(&hit, 1, word, 0);
   }
 }
 

@@ -65,8 +65,8 @@ struct RTCCompressedClusterStatistics
   size_t bytes;                   /* of data */
   size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
                                    * DGF, whose blocks contain indices */
-  size_t numClustersByReason[4];  /* by RTCCompressedClusterReason */
-  size_t numTrianglesByReason[4]; /* by RTCCompressedClusterReason */
+  size_t numClustersByReason[8];  /* index: an RTCCompressedClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8]; /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning false ends the enumeration. */

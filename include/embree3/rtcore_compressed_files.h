@@ -145,7 +145,7 @@ struct RTCCompressedFileGeometryInfo
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedFileGeometryInfo); /* see rtcore_compression.h */
   enum RTCGeometryType type;                  /* of the geometry that was saved */
   enum RTCCompression compression;            /* representation in the file */
-  unsigned int primitiveCount, timeStepCount;
+  unsigned int numPrimitives, numTimeSteps;
   float startTime, endTime;                   /* times of the first and the last time step */
   float lower[3], upper[3];                   /* bounds at all times; lower is above upper if they are empty */
   size_t bytes;                               /* of its tree and blocks in the file */

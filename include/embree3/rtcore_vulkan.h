@@ -100,9 +100,9 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice device, const char* selecto
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
  * The application owns them and keeps them valid while the RTCVulkanDevice exists. */
-struct RTCVulkanHandles
+struct RTCVulkanDeviceHandles
 {
-  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanHandles); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceHandles); /* see rtcore_compression.h */
   PFN_vkGetInstanceProcAddr getInstanceProcAddr;
   VkInstance instance;              /* created for Vulkan 1.2 or later */
   VkPhysicalDevice physicalDevice;
@@ -126,7 +126,7 @@ struct RTCVulkanHandles
  * that is required or that a member declares as enabled, or queueFamily does not support compute.
  * RTC_ERROR_INVALID_OPERATION if the instance or the device has no functions of Vulkan 1.2 or of an extension that a
  * member declares as enabled. */
-RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice device, const struct RTCVulkanHandles* handles);
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice device, const struct RTCVulkanDeviceHandles* handles);
 
 /* Add and remove a reference to a device. Removing the last one closes it. Scenes of the device hold a reference.
  *
@@ -140,7 +140,7 @@ RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device);
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
 RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
-RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, struct RTCVulkanHandles* handles);
+RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, struct RTCVulkanDeviceHandles* handles);
 
 /* --- scenes ---------------------------------------------------------------------------- */
 
@@ -215,8 +215,8 @@ RTC_API void rtcReleaseVulkanScene(RTCVulkanScene scene);
  * address is valid as long as the scene. */
 RTC_API VkDeviceAddress rtcGetVulkanSceneAddress(RTCVulkanScene scene);
 
-/* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines CBVH_KINDS
- * as this mask contains code for no other kinds. */
+/* Returns the kinds of leaves in a scene, as a bit mask that only shaders interpret. A shader that defines
+ * CBVH_LEAF_KINDS as this mask contains code for no other kinds. */
 RTC_API unsigned int rtcGetVulkanSceneLeafKinds(RTCVulkanScene scene);
 
 /* Lists the instances that place a scene in a top-level structure of the application: one for each geometry, and one
@@ -243,7 +243,7 @@ struct RTCVulkanSceneStatistics
   size_t importedBytes;     /* host memory that the device reads in place */
   size_t topLevelBytes;     /* tree above the blocks, and addresses of blocks */
   size_t numNodes, numBlocks, numGeometries, numInstances;
-  unsigned int stackSize;   /* stack entries that a ray may need: the smallest CBVH_STACK of a shader */
+  unsigned int stackSize;   /* stack entries that a ray may need: the smallest CBVH_STACK_SIZE of a shader */
   size_t uploadedBytes;     /* bytes sent to the device for this scene, without shared ones */
   /* of scenes for ray queries */
   size_t structureBytes;    /* the driver's structures, part of deviceBytes, including structures that scenes share */
@@ -308,9 +308,9 @@ RTC_API void rtcSetVulkanSceneRaySorting(RTCVulkanScene scene, bool enabled);
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
 /* Durations of a trace. All are 0 if the device has no clock. */
-struct RTCVulkanTimes
+struct RTCVulkanTraceTimes
 {
-  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
+  size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanTraceTimes); /* see rtcore_compression.h */
   double traceSeconds;     /* tracing on the device, without copies */
   double copySeconds;      /* copies of rays and hits on the device */
   double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySorting */
@@ -321,13 +321,14 @@ struct RTCVulkanTimes
  * rays: read during the call. Members as for rtcRecordVulkanIntersect and rtcRecordVulkanOccluded. May be NULL if
  *       `count` is 0.
  *
- * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcWaitVulkanTrace.
+ * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcFinishVulkanTrace.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a count that exceeds a limit. */
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
-/* Returns true if a trace has ended, also if it failed, so that rtcWaitVulkanTrace does not wait. Does not wait itself.
+/* Returns true if a trace has ended, also if it failed, so that rtcFinishVulkanTrace does not wait. Does not wait
+ * itself.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. */
 RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace);
@@ -341,6 +342,6 @@ RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace);
  * unchanged then.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. RTC_ERROR_UNKNOWN if the device was lost. */
-RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
+RTC_API bool rtcFinishVulkanTrace(RTCVulkanTrace trace, void* rays, struct RTCVulkanTraceTimes* times);
 
 RTC_NAMESPACE_END

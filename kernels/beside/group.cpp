@@ -137,11 +137,7 @@ CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int kn
 {
   if (!group) return rejectArgument("group is NULL");
   return guarded(group->context.get(), [&] {
-    if (const unsigned int unknown = flags & ~known) {
-      char text[96];
-      std::snprintf(text, sizeof(text), "unknown flags 0x%x of a geometry: expected bits of 0x%x", unknown, known);
-      throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
-    }
+    checkFlags(flags, known, "geometry");
     if (group->firstPrimitive.back() >= maxPrimitive)
       throw Failure{CBVH_ERROR_INVALID_OPERATION, "too many primitives for a geometry: expected less than 4294967295"};
   });

@@ -35,8 +35,13 @@ struct QueryContext
   }
 };
 
-/* True if the application was compiled with this version of CbvhQuery. */
-inline bool isCurrentVersion(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
+constexpr unsigned int knownFlags = CBVH_QUERY_FLAG_COHERENT;
+
+/* True if the query is valid, and the application was compiled with this version of CbvhQuery. */
+inline bool isCurrent(const CbvhQuery* query)
+{
+  return !query || (query->structSize == sizeof(CbvhQuery) && !(query->flags & ~knownFlags));
+}
 
 /* Calls trace() with a query of another version, converted to this one. Returns 0 on errors. Not inlined, to keep the
  * usual path short. */
@@ -46,7 +51,10 @@ __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQue
 {
   CbvhQuery converted;
   const CbvhContext context = group->context.get();
-  const CbvhError error = embree::beside::guarded(context, [&] { converted = embree::core::readStruct(query); });
+  const CbvhError error = embree::beside::guarded(context, [&] {
+    converted = embree::core::readStruct(query);
+    embree::beside::checkFlags(converted.flags, knownFlags, "query");
+  });
   if (error != CBVH_OK) return 0;
   return trace(&converted);
 }
@@ -86,7 +94,7 @@ template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
-  if (!isCurrentVersion(query))
+  if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
   typename PacketKernels<K>::RayHits& packet = *(typename PacketKernels<K>::RayHits*)rays;
@@ -112,7 +120,7 @@ template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
-  if (!isCurrentVersion(query))
+  if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
   typename PacketKernels<K>::Rays& packet = *(typename PacketKernels<K>::Rays*)rays;
@@ -131,7 +139,7 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
-  if (!isCurrentVersion(query))
+  if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return cbvhIntersect1(group, ray, converted); });
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
@@ -148,7 +156,7 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
-  if (!isCurrentVersion(query))
+  if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
   if (ray->tfar < 0) return 0;

@@ -87,7 +87,7 @@ void checkBelow(const unsigned int* values, size_t count, size_t bound, const ch
 /* Throws if an index or count would make Embree access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
-  require(cage.vertices.count > 0, "there are no vertices");
+  require(cage.vertices.numVertices > 0, "there are no vertices");
   size_t sum = 0;
   for (size_t f = 0; f < cage.numFaces; f++) {
     if (cage.faceVertexCounts[f] < 3)
@@ -100,9 +100,9 @@ void checkTopology(const CbvhCage& cage)
   if (sum != cage.numIndices)
     throwInvalidArgument("the faces have " + std::to_string(sum) + " vertices together, but there are "
       + std::to_string(cage.numIndices) + " indices: expected as many");
-  checkBelow(cage.indices, cage.numIndices, cage.vertices.count, "index", "vertex", "vertices");
-  checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.count, "crease index", "vertex", "vertices");
-  checkBelow(cage.corners, cage.numCorners, cage.vertices.count, "corner", "vertex", "vertices");
+  checkBelow(cage.indices, cage.numIndices, cage.vertices.numVertices, "index", "vertex", "vertices");
+  checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.numVertices, "crease index", "vertex", "vertices");
+  checkBelow(cage.corners, cage.numCorners, cage.vertices.numVertices, "corner", "vertex", "vertices");
   checkBelow(cage.holes, cage.numHoles, cage.numFaces, "hole", "face", "faces");
 }
 
@@ -139,7 +139,7 @@ CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surfac
 
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
-  require(vertices.steps && vertices.count > 0, "there are no vertices");
+  require(vertices.steps && vertices.numVertices > 0, "there are no vertices");
   require(vertices.stride >= 12 && vertices.stride % 4 == 0,
     "invalid stride of vertices: expected a multiple of 4 bytes, at least 12");
   require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "invalid number of time steps: expected 1 to 129");
@@ -154,9 +154,9 @@ void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertic
     require(vertices.steps[i] != nullptr, "the vertices of a time step are NULL");
     if (copies)
       copyTo(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 12, vertices.stride,
-        vertices.count);
+        vertices.numVertices);
     else rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 0,
-      vertices.stride, vertices.count);
+      vertices.stride, vertices.numVertices);
   }
 }
 
@@ -214,17 +214,17 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   unsigned int topology = 0;
   for (size_t i = 0; i < cage.numAttributes; i++) {
     const CbvhAttribute& attribute = cage.attributes[i];
-    require(attribute.values && attribute.count > 0, "an attribute has no values");
+    require(attribute.values && attribute.numValues > 0, "an attribute has no values");
     require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width
       && attribute.stride % 4 == 0,
         "invalid width or stride of an attribute: expected a width of 1 to 16, and a stride of at least 4*width "
         "that is a multiple of 4 bytes");
     const unsigned int* const indices = attribute.indices ? attribute.indices : cage.indices;
     for (size_t k = 0; k < cage.numIndices; k++)
-      require(indices[k] < attribute.count,
+      require(indices[k] < attribute.numValues,
         "an index of an attribute is past its values: expected less than their number");
     copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1),
-      attribute.values, 4*attribute.width, attribute.stride, attribute.count);
+      attribute.values, 4*attribute.width, attribute.stride, attribute.numValues);
     input->widths.push_back(attribute.width);
     if (!attribute.indices) continue;
     topology++;
@@ -399,7 +399,7 @@ void CbvhSurfaceTy::load(const char* path)
   require(file.size() == 1, "invalid number of geometries in the file: expected 1");
   const core::CompressedFileGeometryInfo info = file.geometryInfo(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
-  current->numPrimitives = info.primitiveCount;
+  current->numPrimitives = info.numPrimitives;
   current->isMesh = info.type == RTC_GEOMETRY_TYPE_QUAD || info.type == RTC_GEOMETRY_TYPE_TRIANGLE;
 }
 

@@ -510,7 +510,7 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
   expectInvalid("time range", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
   expectInvalid("NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
-  expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.count = 0; });
+  expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   expectInvalid("boundary", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;

@@ -355,7 +355,7 @@ void setHostVertices(RTCGeometry geometry, const CbvhVertices& vertices)
 {
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   for (unsigned i = 0; i < vertices.numSteps; i++)
-    setHostBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, sizeof(Vec), vertices.count,
+    setHostBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, sizeof(Vec), vertices.numVertices,
         vertices.steps[i]);
 }
 

@@ -184,8 +184,8 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
   for (unsigned i = 0; i < all.size(); i++) {
     RTCCompressedFileGeometryInfo description;
     ASSERT_TRUE(rtcGetCompressedFileGeometryInfo(file, i, &description));
-    EXPECT_EQ(description.timeStepCount > 1, all[i].moves);
-    EXPECT_GT(description.primitiveCount, 0u);
+    EXPECT_EQ(description.numTimeSteps > 1, all[i].moves);
+    EXPECT_GT(description.numPrimitives, 0u);
     RTCCompressionStatistics statistics;
     ASSERT_TRUE(rtcGetCompressedFileGeometryStatistics(file, i, &statistics));
     quads += statistics.numQuads;

@@ -48,16 +48,15 @@ class Cages(unittest.TestCase):
 
     def test_arrays_of_a_file_give_the_same_cage(self):
         a = self.load(CUBE)
-        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices,
-                      crease_edges=a.crease_edges,
-                      crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
+        b = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=a.uv_indices,
+                      crease_edges=a.crease_edges, crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
                       corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
         np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
         np.testing.assert_array_equal(a.crease_sharpness, [2.5])
         np.testing.assert_array_equal(a.corner_vertices, [6])
         self.assertEqual(a.boundary, "edge_and_corner")
-        for name in ("vertices", "indices", "face_sizes", "uvs", "uv_indices", "crease_edges", "crease_sharpness",
-                     "corner_vertices", "corner_sharpness", "holes", "boundary", "name", "bounds"):
+        for name in ("vertices", "indices", "face_vertex_counts", "uvs", "uv_indices", "crease_edges",
+                     "crease_sharpness", "corner_vertices", "corner_sharpness", "holes", "boundary", "name", "bounds"):
             np.testing.assert_array_equal(getattr(a, name), getattr(b, name), name)
         of_a, of_b = (cbvh.Model(cage).tessellate(3)[0] for cage in (a, b))
         np.testing.assert_array_equal(of_a, of_b)
@@ -65,7 +64,7 @@ class Cages(unittest.TestCase):
     def test_some_faces_may_have_no_texture_coordinates(self):
         none = 2**32 - 1
         a = self.load(CUBE.replace("f 6/1 5/2 8/3 7/4", "f 6 5 8 7"))
-        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices)
+        b = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=a.uv_indices)
         np.testing.assert_array_equal(a.uv_indices[:8], [0, 1, 2, 3, none, none, none, none])
         np.testing.assert_array_equal(a.uv_indices, b.uv_indices)
         cbvh.Model(b).tessellate(1)
@@ -74,16 +73,16 @@ class Cages(unittest.TestCase):
             with self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model(cage, np.zeros((4, 4)))
         with self.assertRaisesRegex(ValueError, "uv_indices: face 0 .*corners"):
-            cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.roll(a.uv_indices, -6))
-        without = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.full(24, none))
+            cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=np.roll(a.uv_indices, -6))
+        without = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=np.full(24, none))
         self.assertEqual(without.uv_indices.shape, (0,))
 
     def test_creases_shape_the_surface(self):
         edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
         smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})
         cube = self.load(CUBE)
-        tops = [cbvh.build(cbvh.Cage(cube.vertices, cube.indices, cube.face_sizes, **tags), "grid", 4).bounds[1, 2]
-                for tags in (smooth, soft, hard)]
+        cages = [cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags) for tags in (smooth, soft, hard)]
+        tops = [cbvh.build(cage, "grid", 4).bounds[1, 2] for cage in cages]
         self.assertLess(tops[0], tops[1])
         self.assertLess(tops[1], tops[2])
 
@@ -91,7 +90,7 @@ class Cages(unittest.TestCase):
         vertices, faces = sheet_arrays()
         a, b = cbvh.Cage(vertices, faces), cbvh.Cage(vertices, faces.ravel(), np.full(len(faces), 4))
         np.testing.assert_array_equal(a.indices, b.indices)
-        np.testing.assert_array_equal(a.face_sizes, b.face_sizes)
+        np.testing.assert_array_equal(a.face_vertex_counts, b.face_vertex_counts)
 
     def test_all_number_types_are_accepted(self):
         vertices, faces = sheet_arrays()
@@ -127,8 +126,8 @@ class Cages(unittest.TestCase):
                 (ValueError, "indices: has shape", (vertices, flat), {}),
                 (ValueError, "indices: has shape", (vertices, []), {}),
                 (ValueError, "indices: has no faces", (vertices, [], []), {}),
-                (ValueError, "face_sizes: adds up to 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
-                (ValueError, "face_sizes: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
+                (ValueError, "face_vertex_counts: adds up to 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
+                (ValueError, "face_vertex_counts: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
                 (ValueError, "uvs: .* 4 .*vertex, 9", (vertices, faces), {"uvs": np.zeros((4, 2))}),
                 (ValueError, "^uv_indices: .*uvs", (vertices, faces), {"uv_indices": flat}),
                 (ValueError, "uv_indices: .* 4 .*indices, 16", (vertices, faces),

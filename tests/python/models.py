@@ -104,7 +104,7 @@ class Scenes(unittest.TestCase):
         cube = cbvh.Model.scene("cube")
         self.assertEqual(cube.name, "cube")
         self.assertTrue(cube.is_displaced)
-        self.assertEqual(len(cube.cage.face_sizes), 6)
+        self.assertEqual(len(cube.cage.face_vertex_counts), 6)
         flat, spiky = (cbvh.build(cbvh.Model.scene("cube", a), "grid", 4).bounds for a in (0.0, 0.2))
         self.assertLess(flat[1, 0], spiky[1, 0])
 

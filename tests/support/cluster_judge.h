@@ -88,7 +88,7 @@ public:
     if (!failure.empty()) throw std::runtime_error(failure);
     demand(found == expected, "other triangles");
     size_t clusters = 0, triangles = 0;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 8; i++) {
       clusters += statistics.numClustersByReason[i];
       triangles += statistics.numTrianglesByReason[i];
     }
@@ -97,7 +97,7 @@ public:
     demand(statistics.numVertices == seen.numVertices && statistics.bytes == seen.bytes &&
              statistics.indexBytes == seen.indexBytes,
            "statistics: bytes");
-    demand(std::equal(statistics.numClustersByReason, statistics.numClustersByReason + 4, seen.numClustersByReason),
+    demand(std::equal(statistics.numClustersByReason, statistics.numClustersByReason + 8, seen.numClustersByReason),
            "statistics: reasons");
   }
 

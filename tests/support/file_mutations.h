@@ -184,13 +184,13 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     const unsigned id = rtcAttachGeometry(scene, geometry);
     rtcCommitScene(scene);
     std::vector<RTCRayHit> rays = raysAt(random, 120);
-    for (RTCRayHit& r : rays) r.ray.time = description.timeStepCount > 1 ? float(random.uniform(0, 1)) : 0;
+    for (RTCRayHit& r : rays) r.ray.time = description.numTimeSteps > 1 ? float(random.uniform(0, 1)) : 0;
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
       for (const RTCRayHit& r : closestHits(scene, rays, form)) {
         if (!isHit(r)) continue;
         trial.hits++;
         EXPECT_LE(r.hit.geomID, id);
-        EXPECT_LT(r.hit.primID, description.primitiveCount);
+        EXPECT_LT(r.hit.primID, description.numPrimitives);
         RTCCompressedTriangle triangle;
         if (form == QueryForm::Single)
           rtcFindCompressedTriangle(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);

@@ -13,7 +13,7 @@ struct Real { float value; };
 struct WordsAt { uint a; };
 float morton, isInside, wordAt;
 
-#define CBVH_KINDS kinds
+#define CBVH_LEAF_KINDS kinds
 layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
 #ifdef WITH_FLOAT64
 #define CBVH_FLOAT64

@@ -20,7 +20,7 @@ void check(VkResult result, const char* doing)
 
 } // namespace
 
-RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage)
+RayBuffer::RayBuffer(const RTCVulkanDeviceHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage)
   : handles(handles)
 {
   VkBufferCreateInfo info = {};
@@ -60,7 +60,7 @@ RayBuffer::~RayBuffer()
   vkFreeMemory(handles.device, memory, nullptr);
 }
 
-RecordedTrace::RecordedTrace(const RTCVulkanHandles& handles) : handles(handles)
+RecordedTrace::RecordedTrace(const RTCVulkanDeviceHandles& handles) : handles(handles)
 {
   VkCommandPoolCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;

@@ -17,7 +17,7 @@ class RayBuffer
 public:
   // Throws std::runtime_error with the name of the failed call.
   // data: may be NULL; usage: in addition to storage, address and copies
-  RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage = 0);
+  RayBuffer(const RTCVulkanDeviceHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage = 0);
   ~RayBuffer();
   RayBuffer(const RayBuffer&) = delete;
   RayBuffer& operator=(const RayBuffer&) = delete;
@@ -27,7 +27,7 @@ public:
   void* mapped = nullptr;
 
 private:
-  const RTCVulkanHandles handles;
+  const RTCVulkanDeviceHandles handles;
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
@@ -35,7 +35,7 @@ private:
 class RecordedTrace
 {
 public:
-  explicit RecordedTrace(const RTCVulkanHandles& handles);
+  explicit RecordedTrace(const RTCVulkanDeviceHandles& handles);
   ~RecordedTrace();
   RecordedTrace(const RecordedTrace&) = delete;
   RecordedTrace& operator=(const RecordedTrace&) = delete;
@@ -48,7 +48,7 @@ public:
   static void copy(VkCommandBuffer commands, const RayBuffer& from, const RayBuffer& to, size_t bytes);
 
 private:
-  const RTCVulkanHandles handles;
+  const RTCVulkanDeviceHandles handles;
   VkCommandPool pool = VK_NULL_HANDLE;
   VkCommandBuffer commands = VK_NULL_HANDLE;
 };

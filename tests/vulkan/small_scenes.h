@@ -139,15 +139,15 @@ bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b)
 }
 
 // Replaces rays by their hits. Returns false on failure, with unchanged rays.
-inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTimes* times = nullptr)
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTraceTimes* times = nullptr)
 {
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(scene, rays.data(), rays.size());
-  return trace && rtcWaitVulkanTrace(trace, rays.data(), times);
+  return trace && rtcFinishVulkanTrace(trace, rays.data(), times);
 }
-inline bool trace(RTCVulkanScene scene, std::vector<RTCRay>& rays, RTCVulkanTimes* times = nullptr)
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRay>& rays, RTCVulkanTraceTimes* times = nullptr)
 {
   const RTCVulkanTrace trace = rtcStartVulkanOccluded(scene, rays.data(), rays.size());
-  return trace && rtcWaitVulkanTrace(trace, rays.data(), times);
+  return trace && rtcFinishVulkanTrace(trace, rays.data(), times);
 }
 
 inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayHit> rays)

@@ -299,7 +299,7 @@ std::vector<std::string> ValidatedDevice::destroy()
   if (handles.device) vkDestroyDevice(handles.device, nullptr);
   validation.detach();
   if (handles.instance) vkDestroyInstance(handles.instance, nullptr);
-  handles = RTCVulkanHandles();
+  handles = RTCVulkanDeviceHandles();
   return validation.messages.take();
 }
 

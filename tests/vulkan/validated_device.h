@@ -88,7 +88,7 @@ public:
   ValidatedDevice& operator=(const ValidatedDevice&) = delete;
 
   // Handles for rtcNewVulkanDeviceFromHandles.
-  RTCVulkanHandles handles{};
+  RTCVulkanDeviceHandles handles{};
 
   // Destroys the device now. Returns all messages of the layer.
   std::vector<std::string> destroy();
@@ -139,7 +139,7 @@ struct VulkanDevices
   void openAll();
 
   // Opens another library device on a VkDevice.
-  VulkanDevice open(const RTCVulkanHandles& handles)
+  VulkanDevice open(const RTCVulkanDeviceHandles& handles)
   {
     return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
   }
@@ -173,7 +173,7 @@ protected:
   // Skips the test. Use it if the reason skips all tests of the program: ctest recognizes the message.
   static void skipProgram(const std::string& reason);
 
-  VulkanDevice open(const RTCVulkanHandles& handles) { return shared->open(handles); }
+  VulkanDevice open(const RTCVulkanDeviceHandles& handles) { return shared->open(handles); }
 
   Device& embree = shared->embree;
   const std::unique_ptr<ValidatedDevice>& vulkan = shared->vulkan;

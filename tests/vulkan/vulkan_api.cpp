@@ -82,7 +82,7 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
       EXPECT_TRUE(has(embree.message, part)) << embree.message << " lacks " << part;
   };
   RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
-  RTCVulkanHandles handles = RTCVulkanHandles();
+  RTCVulkanDeviceHandles handles = RTCVulkanDeviceHandles();
   EXPECT_EQ(info.structSize, sizeof(info));
   EXPECT_EQ(handles.structSize, sizeof(handles));
   for (size_t wrong : {size_t(0), size_t(8), sizeof(handles) - 1, sizeof(handles) + 1, size_t(1032), ~size_t(0)}) {
@@ -90,12 +90,12 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
     EXPECT_EQ(rtcGetVulkanDevices(embree, &info, 1), 0u);
     expectWrong("RTCVulkanDeviceInfo", wrong);
     EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &handles), nullptr);
-    expectWrong("RTCVulkanHandles", wrong);
+    expectWrong("RTCVulkanDeviceHandles", wrong);
   }
-  struct { RTCVulkanHandles known; size_t more; } newer = {RTCVulkanHandles(), 1};
+  struct { RTCVulkanDeviceHandles known; size_t more; } newer = {RTCVulkanDeviceHandles(), 1};
   newer.known.structSize = sizeof(newer);
   EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
-  expectWrong("RTCVulkanHandles", sizeof(newer));
+  expectWrong("RTCVulkanDeviceHandles", sizeof(newer));
   newer.more = 0;
   EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -131,7 +131,7 @@ TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
   rtcGetVulkanDeviceInfo(device.get(), &info.known);
   expectFilled(info);
   EXPECT_EQ(info.known.name, vulkan->name);
-  Newer<RTCVulkanHandles> handles;
+  Newer<RTCVulkanDeviceHandles> handles;
   rtcGetVulkanDeviceHandles(device.get(), &handles.known);
   expectFilled(handles);
   EXPECT_EQ(handles.known.queue, vulkan->handles.queue);
@@ -139,10 +139,10 @@ TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
   rtcGetVulkanSceneStatistics(uploaded.get(), &statistics.known);
   expectFilled(statistics);
   EXPECT_GT(statistics.known.deviceBytes + statistics.known.importedBytes, 0u);
-  Newer<RTCVulkanTimes> times;
+  Newer<RTCVulkanTraceTimes> times;
   times.known.traceSeconds = -1;
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
-  EXPECT_TRUE(rtcWaitVulkanTrace(trace, nullptr, &times.known));
+  EXPECT_TRUE(rtcFinishVulkanTrace(trace, nullptr, &times.known));
   expectFilled(times);
   EXPECT_GE(times.known.traceSeconds, 0);
   expectNoError();
@@ -156,9 +156,9 @@ TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten)
   const std::vector<RTCRayHit> before = rays;
   RTCVulkanSceneArguments arguments = RTCVulkanSceneArguments();
   RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
-  RTCVulkanHandles handles = RTCVulkanHandles();
+  RTCVulkanDeviceHandles handles = RTCVulkanDeviceHandles();
   RTCVulkanSceneStatistics statistics = RTCVulkanSceneStatistics();
-  RTCVulkanTimes times = {0, -1, -1, -1};
+  RTCVulkanTraceTimes times = {0, -1, -1, -1};
   arguments.structSize = info.structSize = handles.structSize = statistics.structSize = 0;
   EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &arguments), nullptr);
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneArguments", "structSize 0"});
@@ -166,14 +166,14 @@ TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten)
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanDeviceInfo", "structSize 0"});
   EXPECT_STREQ(info.name, "");
   rtcGetVulkanDeviceHandles(device.get(), &handles);
-  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanHandles", "structSize 0"});
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanDeviceHandles", "structSize 0"});
   EXPECT_FALSE(handles.device);
   rtcGetVulkanSceneStatistics(uploaded.get(), &statistics);
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneStatistics", "structSize 0"});
   EXPECT_EQ(statistics.deviceBytes, 0u);
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
-  EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), &times));
-  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanTimes", "structSize 0"});
+  EXPECT_FALSE(rtcFinishVulkanTrace(trace, rays.data(), &times));
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanTraceTimes", "structSize 0"});
   EXPECT_EQ(times.traceSeconds, -1);
   EXPECT_TRUE(areSame(rays, before));
 }
@@ -282,7 +282,7 @@ TEST_F(VulkanAPI, MoreRaysThanFitIntoMemoryAreAnError)
 TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
 {
   RTCVulkanDeviceInfo info;
-  RTCVulkanHandles handles;
+  RTCVulkanDeviceHandles handles;
   RTCVulkanSceneStatistics statistics;
   const SmallScene scene(embree);
   RTCRayHit ray = raysFromAbove()[0];
@@ -307,7 +307,7 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
     [&] { EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(nullptr, commands, 16, 1, 16)); },
     [] { rtcSetVulkanSceneRaySorting(nullptr, true); },
     [] { EXPECT_FALSE(rtcIsVulkanTraceDone(nullptr)); },
-    [] { EXPECT_FALSE(rtcWaitVulkanTrace(nullptr, nullptr, nullptr)); }};
+    [] { EXPECT_FALSE(rtcFinishVulkanTrace(nullptr, nullptr, nullptr)); }};
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
   for (size_t i = 0; i < std::size(calls); i++) {
     calls[i]();
@@ -336,15 +336,15 @@ TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
 
 TEST_F(VulkanAPI, MissingOrInvalidHandlesAreReported)
 {
-  const std::pair<const char*, void (*)(RTCVulkanHandles&)> removals[] = {
-    {"getInstanceProcAddr", [](RTCVulkanHandles& h) { h.getInstanceProcAddr = nullptr; }},
-    {"instance", [](RTCVulkanHandles& h) { h.instance = nullptr; }},
-    {"physicalDevice", [](RTCVulkanHandles& h) { h.physicalDevice = nullptr; }},
-    {"device", [](RTCVulkanHandles& h) { h.device = nullptr; }},
-    {"queue", [](RTCVulkanHandles& h) { h.queue = nullptr; }},
-    {"queueFamily 7000", [](RTCVulkanHandles& h) { h.queueFamily = 7000; }}};
+  const std::pair<const char*, void (*)(RTCVulkanDeviceHandles&)> removals[] = {
+    {"getInstanceProcAddr", [](RTCVulkanDeviceHandles& h) { h.getInstanceProcAddr = nullptr; }},
+    {"instance", [](RTCVulkanDeviceHandles& h) { h.instance = nullptr; }},
+    {"physicalDevice", [](RTCVulkanDeviceHandles& h) { h.physicalDevice = nullptr; }},
+    {"device", [](RTCVulkanDeviceHandles& h) { h.device = nullptr; }},
+    {"queue", [](RTCVulkanDeviceHandles& h) { h.queue = nullptr; }},
+    {"queueFamily 7000", [](RTCVulkanDeviceHandles& h) { h.queueFamily = 7000; }}};
   for (const auto& removal : removals) {
-    RTCVulkanHandles handles = vulkan->handles;
+    RTCVulkanDeviceHandles handles = vulkan->handles;
     removal.second(handles);
     EXPECT_FALSE(open(handles));
     expectError(RTC_ERROR_INVALID_ARGUMENT, {removal.first});
@@ -407,7 +407,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
       const size_t members = offsetof(RTCVulkanDeviceInfo, hasRayQuery) + sizeof(info.hasRayQuery); // without padding
       EXPECT_TRUE(selector != std::to_string(i) || !std::memcmp(&info, &infos[i], members));
       EXPECT_TRUE(has(info.name, selector == part ? part.substr(0, 0) : selector) || selector == std::to_string(i));
-      RTCVulkanHandles handles;
+      RTCVulkanDeviceHandles handles;
       rtcGetVulkanDeviceHandles(opened.get(), &handles);
       EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device &&
                   handles.queue);
@@ -421,7 +421,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
 
 TEST_F(VulkanAPI, DeviceReportsGivenHandles)
 {
-  RTCVulkanHandles handles;
+  RTCVulkanDeviceHandles handles;
   rtcGetVulkanDeviceHandles(device.get(), &handles);
   EXPECT_EQ(handles.device, vulkan->handles.device);
   EXPECT_EQ(handles.queue, vulkan->handles.queue);
@@ -459,7 +459,7 @@ TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive)
     rtcReleaseVulkanScene(kept);
   }
   std::vector<RTCRayHit> again = rays;
-  EXPECT_TRUE(rtcWaitVulkanTrace(trace, again.data(), nullptr)) << embree.message;
+  EXPECT_TRUE(rtcFinishVulkanTrace(trace, again.data(), nullptr)) << embree.message;
   EXPECT_TRUE(areSame(again, traced));
 }
 

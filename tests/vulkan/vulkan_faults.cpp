@@ -62,7 +62,7 @@ std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& 
 {
   return [&] {
     std::vector<Ray> traced = rays;
-    RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
+    RTCVulkanTraceTimes times = {sizeof(times), -1, -1, -1};
     const bool done = trace(scene.get(), traced, &times);
     EXPECT_TRUE(areSame(traced, done ? expected : rays));
     EXPECT_EQ(times.traceSeconds >= 0, done);
@@ -332,14 +332,14 @@ TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
   const RTCVulkanTrace other = rtcStartVulkanOccluded(uploaded.get(), occluded.data(), occluded.size());
   ASSERT_TRUE(one && other) << embree.message;
   faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
-  RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
-  EXPECT_FALSE(rtcWaitVulkanTrace(one, traced.data(), &times));
+  RTCVulkanTraceTimes times = {sizeof(times), -1, -1, -1};
+  EXPECT_FALSE(rtcFinishVulkanTrace(one, traced.data(), &times));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
     << embree.message;
   EXPECT_TRUE(areSame(traced, rays));
   EXPECT_EQ(times.traceSeconds, -1);
-  EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
+  EXPECT_FALSE(rtcFinishVulkanTrace(other, occluded.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(areSame(occluded, withoutHits(rays)));
   EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
@@ -356,7 +356,7 @@ TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
   faults->fail("GetFenceStatus", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
   EXPECT_TRUE(rtcIsVulkanTraceDone(trace));
   faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
-  EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), nullptr));
+  EXPECT_FALSE(rtcFinishVulkanTrace(trace, rays.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
 }
 
@@ -393,7 +393,7 @@ TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
     }
     rtcReleaseDevice(other);
     faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
-    EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), nullptr));
+    EXPECT_FALSE(rtcFinishVulkanTrace(trace, rays.data(), nullptr));
   }
   EXPECT_TRUE(has(message, "the device is lost")) << message;
 }

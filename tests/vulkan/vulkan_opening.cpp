@@ -57,7 +57,7 @@ TEST_F(VulkanOpening, MissingFeaturesAreReported)
   }
   faults->onFeatures = nullptr;
 
-  RTCVulkanHandles handles = vulkan->handles;
+  RTCVulkanDeviceHandles handles = vulkan->handles;
   handles.hasHostImport = 1;
   faults->onExtensions = [](std::vector<VkExtensionProperties>& extensions) { extensions.clear(); };
   EXPECT_FALSE(open(handles));

@@ -51,7 +51,7 @@ constexpr VkBufferUsageFlags storageUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTU
 class OwnStructure
 {
 public:
-  OwnStructure(const RTCVulkanHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type,
+  OwnStructure(const RTCVulkanDeviceHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type,
                const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
     : handles(handles), functions(functions)
   {
@@ -91,7 +91,7 @@ public:
   VkDeviceAddress address = 0;
 
 private:
-  const RTCVulkanHandles handles;
+  const RTCVulkanDeviceHandles handles;
   const Functions functions;
   std::unique_ptr<RayBuffer> memory;
   VkAccelerationStructureKHR handle = VK_NULL_HANDLE;
@@ -105,7 +105,7 @@ struct Arguments
 };
 
 // Runs own_top_level.comp.
-void query(const RTCVulkanHandles& handles, const Arguments& arguments)
+void query(const RTCVulkanDeviceHandles& handles, const Arguments& arguments)
 {
   VkShaderModuleCreateInfo moduleInfo = {};
   moduleInfo.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -156,7 +156,7 @@ protected:
 // The application moves the scene along x, and its triangle intersects the scene.
 TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
 {
-  const RTCVulkanHandles& handles = vulkan->handles;
+  const RTCVulkanDeviceHandles& handles = vulkan->handles;
   const Functions functions(handles.device);
   Random random{97};
   Displacement displacement;

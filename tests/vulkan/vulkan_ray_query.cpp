@@ -315,7 +315,7 @@ TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_TRUE(has(embree.message, "invalid traversal 7")) << embree.message;
 
-  RTCVulkanHandles handles = vulkan->handles;
+  RTCVulkanDeviceHandles handles = vulkan->handles;
   handles.hasRayQuery = 0;
   const VulkanDevice without = open(handles);
   EXPECT_EQ(newQueryScene(without, scene), nullptr);

@@ -126,7 +126,7 @@ TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
   std::vector<RTCRay> occluded = shadowRays;
   ASSERT_TRUE(trace(uploaded.get(), expected) && trace(uploaded.get(), occluded)) << embree.message;
 
-  RTCVulkanTimes times;
+  RTCVulkanTraceTimes times;
   std::vector<RTCRayHit> sorted = rays;
   std::vector<RTCRay> sortedShadowRays = shadowRays;
   rtcSetVulkanSceneRaySorting(uploaded.get(), true);
@@ -172,8 +172,8 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlight)
   for (int i : {3, 7, 0, 1, 6, 5, 2, 4}) {
     std::vector<RTCRayHit> traced(rays[size_t(i)].size());
     while (i % 2 && !rtcIsVulkanTraceDone(traces[size_t(i)])) std::this_thread::yield();
-    RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
-    ASSERT_TRUE(rtcWaitVulkanTrace(traces[size_t(i)], traced.data(), &times)) << embree.message;
+    RTCVulkanTraceTimes times = {sizeof(times), -1, -1, -1};
+    ASSERT_TRUE(rtcFinishVulkanTrace(traces[size_t(i)], traced.data(), &times)) << embree.message;
     EXPECT_GE(times.traceSeconds, 0);
     EXPECT_GE(times.copySeconds, 0);
     expectAsOnTheCPU(scene, rays[size_t(i)], traced);
@@ -186,7 +186,7 @@ TEST_F(VulkanTraces, TracesCanBeReleasedWithoutWaiting)
   const VulkanScene uploaded = upload(scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
-  EXPECT_TRUE(rtcWaitVulkanTrace(trace, nullptr, nullptr)) << embree.message;
+  EXPECT_TRUE(rtcFinishVulkanTrace(trace, nullptr, nullptr)) << embree.message;
 }
 
 TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently)

@@ -177,7 +177,7 @@ int main(int argc, char** argv)
   cage.faceVertexCounts = faceVertexCounts;
   cage.numIndices = 24;
   cage.indices = indices;
-  cage.vertices.count = 8;
+  cage.vertices.numVertices = 8;
   cage.vertices.stride = sizeof(positions[0]);
   cage.vertices.steps = steps;
   cage.vertices.numSteps = 1;

@@ -7,8 +7,8 @@
 
 layout(constant_id = 0) const uint kinds = 0xFFFFFFFFu;
 layout(constant_id = 1) const uint stackSize = 96u;
-#define CBVH_KINDS kinds
-#define CBVH_STACK stackSize
+#define CBVH_LEAF_KINDS kinds
+#define CBVH_STACK_SIZE stackSize
 #include <embree3/cbvh.glsl>
 #ifdef CBVH_RAY_QUERY
 #define INTERSECT cbvhQueryIntersect

@@ -37,7 +37,7 @@ public:
   /* Submits the commands of `record` and waits. Throws Error. */
   void run(const std::function<void(VkCommandBuffer)>& record) const;
 
-  RTCVulkanHandles vk{};
+  RTCVulkanDeviceHandles vk{};
 
 private:
   EmbreeDevice errors; // of the library; destroyed last

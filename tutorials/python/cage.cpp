@@ -31,22 +31,23 @@ void readFaces(const py::object& indices, const py::object& faceSizes, Cage& cag
   {
     if (shape.size() != 2 || shape[1] < 3)
       throwValueError("indices", "has shape " + shapeText(shape) +
-                                   ": expected (n, k) with k >= 3, or face_sizes for faces of several sizes");
+                                   ": expected (n, k) with k >= 3, or face_vertex_counts for faces of several sizes");
     cage.faceSizes.assign(size_t(shape[0]), unsigned(shape[1]));
   }
   else
   {
     if (shape.size() != 1)
-      throwValueError("indices", "has shape " + shapeText(shape) + ": expected (n,) together with face_sizes");
-    cage.faceSizes = indexVector(faceSizes, "face_sizes", UINT32_MAX);
+      throwValueError("indices", "has shape " + shapeText(shape) + ": expected (n,) together with face_vertex_counts");
+    cage.faceSizes = indexVector(faceSizes, "face_vertex_counts", UINT32_MAX);
     for (size_t i = 0; i < cage.faceSizes.size(); i++)
       if (cage.faceSizes[i] < 3)
-        throwValueError("face_sizes", "face " + std::to_string(i) + " has " + std::to_string(cage.faceSizes[i]) +
-                                        " vertices: expected at least 3");
+        throwValueError("face_vertex_counts",
+                        "face " + std::to_string(i) + " has " + std::to_string(cage.faceSizes[i]) +
+                          " vertices: expected at least 3");
     const size_t sum = std::accumulate(cage.faceSizes.begin(), cage.faceSizes.end(), size_t(0));
     if (sum != cage.faceIndices.size())
-      throwValueError("face_sizes", "adds up to " + std::to_string(sum) + ": expected the number of indices, " +
-                                      std::to_string(cage.faceIndices.size()));
+      throwValueError("face_vertex_counts", "adds up to " + std::to_string(sum) + ": expected the number of indices, " +
+                                            std::to_string(cage.faceIndices.size()));
   }
   if (cage.faceSizes.empty())
     throwValueError("indices", "has no faces: expected at least one");
@@ -157,9 +158,10 @@ front.)";
 constexpr const char* makeText = R"(Creates a cage from arrays.
 
 vertices: (n, 3), finite, in any unit.
-indices: (f, k) integers, the vertices of f faces with k corners each; or, with face_sizes, (sum(face_sizes),), the
-  vertices of all faces one after the other. Embree supports up to 16 corners per face and 64 faces around a vertex.
-face_sizes: (f,) integers, the number of corners of each face, at least 3.
+indices: (f, k) integers, the vertices of f faces with k corners each; or, with face_vertex_counts,
+  (sum(face_vertex_counts),), the vertices of all faces one after the other. Embree supports up to 16 corners per face
+  and 64 faces around a vertex.
+face_vertex_counts: (f,) integers, the number of corners of each face, at least 3.
 uvs: (m, 2), texture coordinates; (0, 0) is the lower left corner of an image, (1, 1) the upper right.
 uv_indices: parallel to indices, indices of the corners' texture coordinates, or 4294967295 at all corners of a face
   without coordinates. If omitted, uvs has one row per vertex.
@@ -180,7 +182,7 @@ void defineCage(py::module_& module)
 {
   const py::tuple none;
   py::class_<Cage, std::shared_ptr<Cage>>(module, "Cage", cageText)
-    .def(py::init(&makeCage), py::arg("vertices"), py::arg("indices"), py::arg("face_sizes") = py::none(),
+    .def(py::init(&makeCage), py::arg("vertices"), py::arg("indices"), py::arg("face_vertex_counts") = py::none(),
          py::kw_only(),
          py::arg("uvs") = py::none(), py::arg("uv_indices") = py::none(), py::arg("crease_edges") = none,
          py::arg("crease_sharpness") = py::none(), py::arg("corner_vertices") = none,
@@ -194,9 +196,10 @@ path: of the file, str or os.PathLike.
 Raises Error with the line for a file that cannot be read, and Error if OpenSubdiv rejects the topology.)")
     .def_readonly("name", &Cage::name, "Name in messages.")
     .def_property_readonly("vertices", array<float>(&Cage::positions), "(n, 3) float32: control points.")
-    .def_property_readonly("face_sizes", array<unsigned>(&Cage::faceSizes), "(f,) uint32: corners of each face.")
+    .def_property_readonly("face_vertex_counts", array<unsigned>(&Cage::faceSizes),
+                           "(f,) uint32: corners of each face.")
     .def_property_readonly("indices", array<unsigned>(&Cage::faceIndices),
-                           "(sum(face_sizes),) uint32: vertices of the faces, one after the other.")
+                           "(sum(face_vertex_counts),) uint32: vertices of the faces, one after the other.")
     .def_property_readonly("uvs", array<float>(&Cage::uvs), "(m, 2) float32: texture coordinates; (0, 2) if none.")
     .def_property_readonly("uv_indices", array<unsigned>(&Cage::uvIndices),
                            "Parallel to indices, uint32: indices into uvs, 4294967295 on faces without; (0,) if none.")

@@ -22,6 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+__all__ = ["RayMeshIntersector"]
+
 NO_HIT = 0xFFFFFFFF
 FEWEST_COMPRESSED = 256  # triangles, see docs/meshes.md
 PACKET = 16
@@ -34,7 +36,7 @@ class Vertices(ctypes.Structure):
     """CbvhVertices"""
 
     _fields_ = [
-        ("count", ctypes.c_size_t),
+        ("num_vertices", ctypes.c_size_t),
         ("stride", ctypes.c_size_t),
         ("steps", ctypes.POINTER(ctypes.c_void_p)),
         ("num_steps", ctypes.c_uint),

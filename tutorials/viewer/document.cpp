@@ -40,7 +40,7 @@ bool LoadedModel::moves() const
 {
   if (!saved)
     return !model.poses.empty();
-  const auto moves = [](const RTCCompressedFileGeometryInfo& g) { return g.timeStepCount > 1; };
+  const auto moves = [](const RTCCompressedFileGeometryInfo& g) { return g.numTimeSteps > 1; };
   return std::any_of(saved->geometries().begin(), saved->geometries().end(), moves);
 }
 

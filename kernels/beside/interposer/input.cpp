@@ -80,10 +80,10 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   for (unsigned int i = 0; i < numTimeSteps; i++) {
     const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
     if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("it has no vertices");
-    if (i > 0 && (buffer->stride != result.stride || buffer->count != result.count))
+    if (i > 0 && (buffer->stride != result.stride || buffer->count != result.numVertices))
       throw Unsupported("its time steps differ in the stride or the number of vertices");
     result.stride = buffer->stride;
-    result.count = buffer->count;
+    result.numVertices = buffer->count;
     steps.push_back((const float*)buffer->data);
   }
   result.steps = steps.data();

@@ -139,8 +139,8 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = from.type;
   to.compression = from.compression;
-  to.primitiveCount = from.primitiveCount;
-  to.timeStepCount = from.timeStepCount;
+  to.numPrimitives = from.numPrimitives;
+  to.numTimeSteps = from.numTimeSteps;
   to.startTime = from.begin;
   to.endTime = from.end;
   std::copy_n(from.lower,3,to.lower);

@@ -116,8 +116,8 @@ namespace embree
       CompressedFileGeometryInfo info;
       info.type = typeOf(record);
       info.compression = RTCCompression(record.compression);
-      info.primitiveCount = record.numPrimitives;
-      info.timeStepCount = record.numTimeSteps;
+      info.numPrimitives = record.numPrimitives;
+      info.numTimeSteps = record.numTimeSteps;
       info.begin = record.begin;
       info.end = record.end;
       for (int k=0; k<3; k++) { info.lower[k] = record.lower[k]; info.upper[k] = record.upper[k]; }

@@ -67,7 +67,7 @@ namespace embree
     {
       RTCGeometryType type;                    //!< of the saved geometry
       RTCCompression compression;              //!< representation
-      unsigned primitiveCount, timeStepCount;
+      unsigned numPrimitives, numTimeSteps;
       float begin, end;                        //!< times of the first and last step
       /*! Bounds of everything that rays can hit, at all times; if empty, lower is above upper. */
       float lower[3], upper[3];

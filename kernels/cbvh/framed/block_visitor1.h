@@ -69,8 +69,8 @@ namespace embree
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }
             if (!report(ray,context,block->surface,block->primID,hit)) return false;
-            state.nearest.set(comparedT,hitT,block);
-            if (!IsAnyHit<RayType>::value) ray.tfar = comparedT;
+            state.nearest.set(comparedT,hitT,block,ray.tfar);
+            if (!IsAnyHit<RayType>::value && !(ray.tfar < hitT)) ray.tfar = comparedT;
             isHit = true;
           }
           sBest = at.s;

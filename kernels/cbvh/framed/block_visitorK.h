@@ -74,9 +74,9 @@ namespace embree
             });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              state.nearest[k].set(comparedT[k],hitT[k],block);
+              state.nearest[k].set(comparedT[k],hitT[k],block,rays.tfar[k]);
             }
-            if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,comparedT,rays.tfar);
+            if (!IsAnyHit<Rays>::value) rays.tfar = select(andn(accepted,rays.tfar < hitT),comparedT,rays.tfar);
             accept(accepted);
             counts = andn(lanes,andn(front,accepted));
           }

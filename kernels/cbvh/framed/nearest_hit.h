@@ -36,8 +36,12 @@ namespace embree
             || (otherHitT == hitT && block && !hasPrecedence(other,block,ids));
         }
 
-        __forceinline void set (float comparedT, float hitT, const Block* block) {
-          this->comparedT = comparedT; this->hitT = hitT; this->block = block;
+        /*! Stores an accepted hit. tfar: below hitT if a filter decreased it. The hit then counts as at tfar. */
+        __forceinline void set (float comparedT, float hitT, const Block* block, float tfar)
+        {
+          this->comparedT = tfar < hitT ? tfar : comparedT;
+          this->hitT = min(tfar,hitT);
+          this->block = block;
         }
 
         /*! Returns the ray's final tfar: hitT, if this is the ray's nearest hit. */

@@ -77,8 +77,8 @@ namespace embree
     Statistics statisticsAs (const ClusterStatistics& statistics)
     {
       Statistics to = Statistics();
-      static_assert(sizeof(to.numClustersByReason) == sizeof(statistics.numClustersByReason)
-          && sizeof(to.numTrianglesByReason) == sizeof(statistics.numTrianglesByReason),"one sum per reason");
+      static_assert(sizeof(to.numClustersByReason) >= sizeof(statistics.numClustersByReason)
+          && sizeof(to.numTrianglesByReason) >= sizeof(statistics.numTrianglesByReason),"an entry per reason");
       to.numClusters = statistics.numClusters;
       to.numTriangles = statistics.numTriangles;
       to.numVertices = statistics.numVertices;

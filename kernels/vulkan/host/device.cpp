@@ -103,7 +103,7 @@ Device::Device(RTCDevice embree, const char* selector) : embree(embree), handles
   }
 }
 
-Device::Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles)
+Device::Device(RTCDevice embree, const RTCVulkanDeviceHandles& applicationHandles)
   : embree(embree), handles(applicationHandles)
 {
   instanceFunctions = InstanceFunctions(handles.getInstanceProcAddr, handles.instance);

@@ -54,7 +54,7 @@ public:
   Device(RTCDevice embree, const char* selector);
 
   /* Uses a device that the application opened and continues to own. */
-  Device(RTCDevice embree, const RTCVulkanHandles& applicationHandles);
+  Device(RTCDevice embree, const RTCVulkanDeviceHandles& applicationHandles);
 
   /* Submits the commands that record() records, and waits. */
   void run(const std::function<void(VkCommandBuffer)>& record);
@@ -82,7 +82,7 @@ public:
   const VkPipeline* makeOrderPipelines();
 
   const RTCDevice embree;         // receives errors; retained, may be NULL
-  RTCVulkanHandles handles;
+  RTCVulkanDeviceHandles handles;
   Capabilities capabilities;
   InstanceFunctions instanceFunctions;
   DeviceFunctions vk;

@@ -154,12 +154,12 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* selecto
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
 
-RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* handles)
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanDeviceHandles* handles)
 {
   Device* device = nullptr;
   guarded(embree, [&]() {
     require(handles, "handles");
-    const RTCVulkanHandles converted = core::readStruct(handles);
+    const RTCVulkanDeviceHandles converted = core::readStruct(handles);
     require((const void*)converted.getInstanceProcAddr, "getInstanceProcAddr");
     require(converted.instance, "instance");
     require(converted.physicalDevice, "physicalDevice");
@@ -188,7 +188,7 @@ RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, RTCVulkanDeviceInfo*
   });
 }
 
-RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanHandles* handles)
+RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanDeviceHandles* handles)
 {
   guarded(embreeOf(device), [&]() { require(device, "device"); write(handles, deviceOf(device)->handles, "handles"); });
 }
@@ -355,7 +355,7 @@ RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
   return done;
 }
 
-RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
+RTC_API bool rtcFinishVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTraceTimes* times)
 {
   /* retained, because deleting the trace may release the RTCDevice that receives the error */
   const RTCDevice embree = htrace ? traceOf(htrace)->device.embree : nullptr;
@@ -364,7 +364,7 @@ RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTime
     require(htrace, "trace");
     const std::unique_ptr<Trace> trace(traceOf(htrace));
     if (times) core::requireStruct(times);
-    RTCVulkanTimes known;
+    RTCVulkanTraceTimes known;
     trace->finish(rays, times ? &known : nullptr);
     if (times) core::writeStruct(times, known);
   });

@@ -13,9 +13,9 @@
 namespace embree { namespace core {
 
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
-CBVH_EXTENSIBLE_STRUCT(RTCVulkanHandles, hasRayQuery);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceHandles, hasRayQuery);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneArguments, previousScene);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
-CBVH_EXTENSIBLE_STRUCT(RTCVulkanTimes, sortSeconds);
+CBVH_EXTENSIBLE_STRUCT(RTCVulkanTraceTimes, sortSeconds);
 
 }} // namespace embree::core

@@ -89,9 +89,9 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeli
           VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }
 
-RTCVulkanTimes Trace::readTimes() const
+RTCVulkanTraceTimes Trace::readTimes() const
 {
-  RTCVulkanTimes times = RTCVulkanTimes();
+  RTCVulkanTraceTimes times = RTCVulkanTraceTimes();
   uint64_t stamps[numStamps];
   if (!queryPool || device.vk.GetQueryPoolResults(device.handles.device, queryPool, 0, numStamps, sizeof(stamps),
                                                   stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
@@ -106,7 +106,7 @@ RTCVulkanTimes Trace::readTimes() const
   return times;
 }
 
-void Trace::finish(void* rays, RTCVulkanTimes* times)
+void Trace::finish(void* rays, RTCVulkanTraceTimes* times)
 {
   device.wait(submission);
   if (rays && bytes) std::memcpy(rays, staging ? staging->mapped : onDevice->mapped, bytes);

@@ -23,13 +23,13 @@ public:
 
   /* Waits, then writes the rays with their hits, and the times, 0 without timestamps. Each may be NULL. If the device
    * failed, throws VulkanError and writes nothing. */
-  void finish(void* rays, RTCVulkanTimes* times);
+  void finish(void* rays, RTCVulkanTraceTimes* times);
 
   Device& device;
 
 private:
   void record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* orderPipelines);
-  RTCVulkanTimes readTimes() const;
+  RTCVulkanTraceTimes readTimes() const;
 
   const ScopedRef<Scene> held;
   Scene& scene;

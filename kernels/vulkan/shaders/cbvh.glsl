@@ -5,9 +5,9 @@
  * words, the lower word first; nothing is bound. The device needs bufferDeviceAddress and scalarBlockLayout. With
  * CBVH_FLOAT64, cVERT's distances are the same as on the CPU.
  *
- *   #define CBVH_KINDS ...        optional: (specialization) constant with all bits of rtcGetVulkanSceneLeafKinds;
+ *   #define CBVH_LEAF_KINDS ...   optional: (specialization) constant with all bits of rtcGetVulkanSceneLeafKinds;
  *                                 rays miss other kinds of leaves, which are not compiled. Default: all kinds
- *   #define CBVH_STACK ...        stackSize of rtcGetVulkanSceneStatistics or more. Default: 96. With a smaller stack
+ *   #define CBVH_STACK_SIZE ...   stackSize of rtcGetVulkanSceneStatistics or more. Default: 96. With a smaller stack
  *                                 than the scene needs, the behavior is undefined
  *   #define CBVH_FLOAT64          optional: if shaderFloat64 is enabled on the device
  *   #define CBVH_RAY_QUERY        optional: ray queries, see below. Requires GL_EXT_ray_query
@@ -21,7 +21,7 @@
  * The members of a CbvhRay have these names and this order. cbvhMakeRay(origin, tnear, direction, tfar) returns a ray
  * with all bits of the mask, at time 0. A CbvhHit has the distance t and the members of RTCHit: u, v, Ng, primID,
  * geomID and instID. tnear, tfar and t are in lengths of the direction. After a miss, t is tfar and the IDs are
- * CBVH_NONE.
+ * CBVH_INVALID_ID.
  *
  * The API consists of the functions, types, constants and macros that this comment names. CbvhNearestHit has no public
  * members. Other names may change in any version.
@@ -60,15 +60,15 @@
 #include "meshes.glsl"
 #include "vert_block.glsl"
 
-#ifndef CBVH_KINDS
-#define CBVH_KINDS 0xFFFFFFFFu
+#ifndef CBVH_LEAF_KINDS
+#define CBVH_LEAF_KINDS 0xFFFFFFFFu
 #endif
 
-#ifndef CBVH_STACK
-#define CBVH_STACK 96
+#ifndef CBVH_STACK_SIZE
+#define CBVH_STACK_SIZE 96
 #endif
 
-bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
+bool cbvhHasKind (uint type) { return (uint(CBVH_LEAF_KINDS) & (1u << type)) != 0u; }
 
 bool cbvhIsNode (uint type) {
   return type == nodeReferenceType || (cbvhHasKind(movingNodeReferenceType) && type == movingNodeReferenceType);
@@ -77,7 +77,7 @@ bool cbvhIsNode (uint type) {
 /* True if all framed blocks of the scene have this kind. The compiler then removes the code of other kinds. */
 bool cbvhHasOnly (uint kind)
 {
-  return (uint(CBVH_KINDS) & (framedKinds << firstBlockReferenceType)) == (1u << blockReferenceType(kind));
+  return (uint(CBVH_LEAF_KINDS) & (framedKinds << firstBlockReferenceType)) == (1u << blockReferenceType(kind));
 }
 
 /* isPresent: receives true for each child that exists at the time. */
@@ -133,7 +133,7 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
     return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(meshBlockReferenceType) && type == meshBlockReferenceType)
     return cbvhTraceMesh(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
-  if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReferenceType)) == 0u) return false;
+  if ((uint(CBVH_LEAF_KINDS) & (framedKinds << firstBlockReferenceType)) == 0u) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel
             : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReferenceType;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
@@ -145,7 +145,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   hit.t = worldRay.tfar;
   hit.u = hit.v = 0.0;
   hit.Ng = vec3(0.0);
-  hit.primID = hit.geomID = hit.instID = CBVH_NONE;
+  hit.primID = hit.geomID = hit.instID = CBVH_INVALID_ID;
   if (!cbvhMayHit(worldRay)) return false;
 
   SceneData scene = CbvhSceneAt(address).scene;
@@ -155,7 +155,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK];       // pairs of reference and key of cbvhSortChildren
+  uvec2 stack[CBVH_STACK_SIZE];       // pairs of reference and key of cbvhSortChildren
   int top = 0, instanceTop = -1; // instanceTop: `top` when the ray entered an instance
   uint current = scene.root;
 
@@ -222,7 +222,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   return found;
 }
 
-/* Finds the closest hit. If there is none, returns false and sets hit.t to ray.tfar and all IDs to CBVH_NONE. */
+/* Finds the closest hit. If there is none, returns false and sets hit.t to ray.tfar and all IDs to CBVH_INVALID_ID. */
 bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
 /* True if the ray hits anything. */

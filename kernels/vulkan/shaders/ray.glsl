@@ -36,10 +36,10 @@ struct CbvhHit
   float t;
   float u, v;
   vec3 Ng;
-  uint primID, geomID, instID; // CBVH_NONE without a hit
+  uint primID, geomID, instID; // CBVH_INVALID_ID without a hit
 };
 
-const uint CBVH_NONE = 0xFFFFFFFFu;
+const uint CBVH_INVALID_ID = 0xFFFFFFFFu;
 
 /* A ray in the space of the traversed scene or instance. */
 struct CbvhPreparedRay
@@ -51,7 +51,7 @@ struct CbvhPreparedRay
   float entryT;   // lower bound of the distance to the current leaf
   uint mask;
   float time;     // finite; before all motion if the ray's time is not finite
-  uint instID;    // instance that is being traversed, or CBVH_NONE
+  uint instID;    // instance that is being traversed, or CBVH_INVALID_ID
   uint firstGeometry; // index in SceneData::geometries of geometry 0 of the traversed scene
 };
 
@@ -84,7 +84,7 @@ CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
   prepared.tfar = ray.tfar;
   prepared.mask = ray.mask;
   prepared.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;
-  prepared.instID = CBVH_NONE;
+  prepared.instID = CBVH_INVALID_ID;
   prepared.firstGeometry = 0u;
   return prepared;
 }

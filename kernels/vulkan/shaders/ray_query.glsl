@@ -22,7 +22,7 @@ struct CbvhNearestHit
 
 CbvhNearestHit cbvhNoHit (CbvhRay ray)
 {
-  CbvhHit none = CbvhHit(ray.tfar, 0.0, 0.0, vec3(0.0), CBVH_NONE, CBVH_NONE, CBVH_NONE);
+  CbvhHit none = CbvhHit(ray.tfar, 0.0, 0.0, vec3(0.0), CBVH_INVALID_ID, CBVH_INVALID_ID, CBVH_INVALID_ID);
   return CbvhNearestHit(none, vec2(-1.0), cbvhNoVertNearest());
 }
 
@@ -56,7 +56,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   PlacedBoxes place = CbvhPlacedBoxes(scene.placed).at[placed];
   LeafBox leaf = CbvhLeafBoxes(place.boxes).at[box];
   CbvhRay local = ray;
-  if (cbvhHasKind(instanceReferenceType) && place.instID != CBVH_NONE)
+  if (cbvhHasKind(instanceReferenceType) && place.instID != CBVH_INVALID_ID)
   {
     GeometryData instance = CbvhGeometries(scene.geometries).at[place.instID];
     CbvhTransform toLocal;
