@@ -15,7 +15,7 @@ namespace embree
   {
     struct CompressionPlan
     {
-      uint32_t surfaceNumber;        //!< see surface_ids.h
+      uint32_t surfaceNumber;        //!< see base/surface_ids.h
       unsigned numTimeSteps;
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
