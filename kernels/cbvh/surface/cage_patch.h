@@ -16,8 +16,8 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! The arguments must outlive the object. `patch` is valid during forEachPatch's closure (patches.h). borders: null
-       *  if the plan shares no borders. side(), latticeExponent() and cachedVertices() must then not be called. */
+      /*! The arguments must outlive the object. `patch` is valid during forEachPatch's closure (patches.h). borders:
+       *  null if the plan shares no borders. side(), latticeExponent() and cachedVertices() must then not be called. */
       CagePatch (SubdivMesh* mesh, uint32_t surfaceNumber, size_t face, const PatchOfFace& patch,
                  const CageBorders* borders, PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surfaceNumber,face))
