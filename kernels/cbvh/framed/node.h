@@ -54,13 +54,13 @@ CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6/256, 16/256 or 36/256. The parent's plane
- *  is farther out than needed, because it is quantized and shared with a sibling. */
+/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6/256, 16/256 or 36/256. The parent's
+ *  plane is farther out than needed, because it is quantized and shared with a sibling. */
 CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Distance of an inner plane from the opposite plane of the parent, in parent extents: 116, 125, 130, 136, 144, 160,
- *  192 or 256, divided by 256. The packed bytes store these numbers minus 1. In frames that are aligned to patches, most
- *  planes are near the middle; 256 is for surfaces that fold over. */
+ *  192 or 256, divided by 256. The packed bytes store these numbers minus 1. In frames that are aligned to patches,
+ *  most planes are near the middle; 256 is for surfaces that fold over. */
 CVERT_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }

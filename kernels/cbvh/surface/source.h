@@ -15,8 +15,8 @@
  * SIDES are numbered around the patch: v = 0, u = 1, v = 1, u = 0. Vertices of a side are counted in that direction.
  *
  * THREADS. The builder constructs a source, and calls prepare() and release(), on one thread at a time. prepare() may
- * use all threads. Between prepare() and release(), threads call const members concurrently. Scratch and Writer, and the patches
- * made with them, belong to one task.
+ * use all threads. Between prepare() and release(), threads call const members concurrently. Scratch and Writer, and
+ * the patches made with them, belong to one task.
  *
  * ERRORS. Members may throw rtcore_error, std::bad_alloc, or what progress() throws. The build then ends, and the
  * geometry keeps its old blocks. Vertices that are not finite are no error: writers omit their quads and count them.
@@ -90,8 +90,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Quads per side from which a mesh's grid is regular. Statistics count quads of narrower grids as irregular, whether
-     *  they are stored in grids or mesh blocks. */
+    /*! Quads per side from which a mesh's grid is regular. Statistics count quads of narrower grids as irregular,
+     *  whether they are stored in grids or mesh blocks. */
     static const unsigned minGridSide = 4;
 
     struct SurfacePatch
@@ -99,9 +99,9 @@ namespace embree
       uint32_t surfaceNumber; //!< see base/surface_ids.h
       unsigned primID;
       unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
-      unsigned quads[2];    //!< along u and v: the higher rate of the two edges in that direction
+      unsigned quads[2];    //!< along u and v: higher rate of the two edges
       const float* rate;    //!< integer rates of the four sides; must outlive the patch
-      const cbvh::QuadNumbers* numbers = nullptr; //!< primIDs of the quads, row by row; null if all have primID
+      const cbvh::QuadNumbers* numbers = nullptr; //!< primitive numbers of the quads; null if all have primID
     };
 
     /*! Types of the expressions that builder and writers apply to a source S. */
