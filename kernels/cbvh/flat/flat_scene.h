@@ -23,7 +23,7 @@ namespace embree
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
-      uint32_t children[4];           //!< references (reference.h) to nodes, blocks or leaves of grids
+      uint32_t children[4];           //!< references (base/reference.h) to nodes, blocks or leaves of grids
     };
 
     /*! A plane at ray time t is atZero + t * difference: conservative in float, fused or not. A child exists if
@@ -40,7 +40,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! Type of references to the block (reference.h); gridLeafReferenceType for a grid. */
+      /*! Type of references to the block (base/reference.h); gridLeafReferenceType for a grid. */
       uint32_t type;
       uint32_t geomID;   //!< in this scene; blocks store the surface number
     };
