@@ -6,7 +6,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
-  cbvh/api/interpolation.cpp
+  cbvh/api/interpolation_checks.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp

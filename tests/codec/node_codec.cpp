@@ -139,7 +139,7 @@ TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants)
   }
 }
 
-// One decoding step has an error of at most one ulp of a number below 2 (node_encoder.h).
+// Rounding moves a plane by at most one ulp of numbers from 1 to 2 per level (node.h).
 constexpr double stepError = 0x1p-23;
 
 // A lower plane cannot round below its parent's, because the added term is not negative. An upper plane is the sum of

@@ -292,6 +292,30 @@ TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
   }
 }
 
+// A moving mesh is stored either in grids or in mesh blocks. Statistics count narrow grids as irregular, but rays do
+// not use the cache of mesh blocks for them.
+TEST(MovingMeshesInTime, NarrowGridsUseTheCacheOfGrids)
+{
+  Random random(3190);
+  Device device;
+  size_t bytes[2];
+  for (unsigned isNarrow : {0u, 1u}) {
+    // a region has at most 64 quads per side
+    DicedMesh mesh = meshOf(dicedSheet(1, 64 + isNarrow), QuadOrder::Rows, random);
+    mesh.motion = bent;
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 2));
+    rtcCommitScene(scene);
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    ASSERT_EQ(stats.numMovingQuads, mesh.size());
+    ASSERT_EQ(stats.numIrregularQuads > 0, isNarrow == 1);
+    ASSERT_LT(stats.numIrregularQuads, stats.numQuads/8);
+    bytes[isNarrow] = stats.cacheBytesPerThread;
+  }
+  EXPECT_GT(bytes[0], size_t(1) << 16);
+  EXPECT_EQ(bytes[0], bytes[1]);
+}
+
 // Vertices coincide at the first step and separate afterwards: a ray passes between the triangles.
 TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
 {

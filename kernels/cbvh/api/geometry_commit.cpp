@@ -6,7 +6,7 @@
  * (state/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp); if the geometry
  * releases its input, endCommit() does. */
 
-#include "interpolation.h"
+#include "interpolation_checks.h"
 #include "../base/environment.h"
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"

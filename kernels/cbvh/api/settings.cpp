@@ -176,7 +176,7 @@ namespace embree
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "verbose") {} // environment.h reads it
+        if (key == "verbose") {} // base/environment.h reads it
         else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = preferredCompression;

@@ -91,7 +91,7 @@ namespace embree
       size_t framelessQuadsInGrid = 0; //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
-      size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels
+      size_t bytesInEmbree = 0;    //!< estimate for Embree's own representation
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };

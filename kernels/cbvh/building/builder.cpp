@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds the static or the moving surfaces of a committed scene: first the blocks of geometries that changed
+/* Builds the static or the moving surfaces of a scene when it is committed: first the blocks of geometries that changed
  * (surface_builder.h), then a tree over the parts of all static surfaces, or over all moving blocks (motion_tree.h).
  * Compiled for the lowest ISA and AVX, like Embree's builder of subdivision surfaces. */
 
@@ -20,12 +20,13 @@ namespace embree
 {
   namespace isa
   {
-    typedef std::shared_ptr<const cbvh::SurfaceNumber> Number;
+    typedef std::shared_ptr<const cbvh::SurfaceNumber> SurfaceNumberPointer;
 
     typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
 
     template<typename Grids>
-    static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
+    static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const SurfaceNumberPointer& number,
+                                          const CompressionPlan& plan)
     {
       std::unique_ptr<IrregularBlocks> irregular;
       const std::shared_ptr<const QuadRegions> regions = regionsOf(mesh);
@@ -34,7 +35,7 @@ namespace embree
       return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
     }
 
-    static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
+    static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const SurfaceNumberPointer& number,
                                              const CompressionPlan& plan)
     {
       switch (geometry->ownType) {
@@ -59,14 +60,14 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> buildsInTree; //!< SurfaceBlocks::buildID of each surface in the tree; empty without a tree
-      size_t treeBytes = 0;
+      std::vector<uint64_t> buildIDsInTree; //!< of each surface in the tree; empty without a tree
+      size_t treeBytes = 0;                 //!< nodes of the scene's own tree
 
       struct Surface
       {
         CompressibleGeometry* geometry;
         unsigned geomID;
-        Number number;
+        SurfaceNumberPointer number;
         CompressionPlan plan;                        //!< plan of the blocks
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until built
 
@@ -74,8 +75,7 @@ namespace embree
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
             blocks(cbvh::blocksOf(geometry)) {}
 
-        /*! True if the application computed the vertices. */
-        bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
+        bool isCage () const { return geometry->ownType == Geometry::GTY_SUBDIV_MESH; }
       };
 
     public:
@@ -84,7 +84,7 @@ namespace embree
 
       void clear ()
       {
-        buildsInTree.clear();
+        buildIDsInTree.clear();
         bvh->set(BVH4::emptyNode,empty,0);
       }
 
@@ -92,10 +92,10 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
-        ((CompressedTree*)bvh)->hasGrids =
-          std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
-        const std::vector<uint64_t> before = buildsInTree;
-        const bool reusesTree = !surfaces.empty() && buildsInTree == buildsOf(surfaces);
+        ((CompressedTree*)bvh)->supportsPointQueries =
+          std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return !surface.isCage(); });
+        const std::vector<uint64_t> before = buildIDsInTree;
+        const bool reusesTree = !surfaces.empty() && buildIDsInTree == buildIDsOf(surfaces);
         if (!reusesTree) clear();
         if (surfaces.empty()) return;
         const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder"
@@ -110,7 +110,7 @@ namespace embree
         }
         if (!reusesTree) {
           treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
-          buildsInTree = buildsOf(surfaces);
+          buildIDsInTree = buildIDsOf(surfaces);
         }
         total.sums.topLevelBytes += treeBytes;
         report->statistics = total.sums;
@@ -135,18 +135,18 @@ namespace embree
       }
 
       /*! Returns SurfaceBlocks::buildID of each surface, or 0 if its blocks must be built. */
-      static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
+      static std::vector<uint64_t> buildIDsOf (const std::vector<Surface>& surfaces)
       {
-        std::vector<uint64_t> builds;
-        for (const Surface& surface : surfaces) builds.push_back(surface.blocks ? surface.blocks->buildID : 0);
-        return builds;
+        std::vector<uint64_t> buildIDs;
+        for (const Surface& surface : surfaces) buildIDs.push_back(surface.blocks ? surface.blocks->buildID : 0);
+        return buildIDs;
       }
 
       /*! Builds missing blocks: first small surfaces, several per task, then medium ones in parallel, then large ones
        *  one by one, because each uses all threads and much temporary memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
-        std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
+        std::vector<BuilderPointer> builders(surfaces.size());
         parallel_for(size_t(0),surfaces.size(),surfacesPerTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
             {
@@ -163,14 +163,23 @@ namespace embree
           if (builders[i]) build(surfaces[i],builders[i]);
       }
 
-      void build (Surface& surface, std::unique_ptr<SurfaceBuilder>& builder)
+      void build (Surface& surface, BuilderPointer& builder)
       {
         surface.blocks = cbvh::setBlocks(surface.geometry,
           builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
         builder.reset();
       }
 
-      /*! Returns the mask of ThreadCaches that rays through the surfaces use. */
+      /*! True for mesh blocks, false for cVERT. A moving surface has only one of them (surface/mesh_regions.cpp). */
+      static bool areMovingMeshBlocks (const SurfaceBlocks& blocks)
+      {
+        if (blocks.moving.empty()) return false;
+        size_t type;
+        BVH4::NodeRef(blocks.moving.front()).leaf(type);
+        return type == cbvh::MOVING_MESH_BLOCK;
+      }
+
+      /*! Returns the mask of ThreadCaches that rays through the surfaces may use. */
       unsigned cachesOf (const std::vector<Surface>& surfaces) const
       {
         unsigned caches = 0;
@@ -178,7 +187,7 @@ namespace embree
         {
           const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
           if (sums.numBlocks == 0) continue;
-          if (moves) caches |= sums.numIrregularQuads ? cbvh::meshMotionCache : cbvh::motionCache;
+          if (moves) caches |= areMovingMeshBlocks(*surface.blocks) ? cbvh::meshMotionCache : cbvh::motionCache;
           else if (!cbvh::descriptionOf(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
           else caches |= cbvh::nodeCache | (sums.numFallbackQuads ? cbvh::vertCache : 0u);
           if (!moves && sums.numIrregularQuads) caches |= cbvh::meshCache;
@@ -193,7 +202,7 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that were left out, unless the previous commit did. before: buildsInTree of that commit. */
+      /*! Reports faces that were left out, unless the previous commit did. before: buildIDsInTree of that commit. */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
@@ -201,20 +210,20 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Builds the tree over the parts of static surfaces, and returns the number of its nodes: 0 for a scene with one
-       *  surface, which uses the surface's tree. */
+      /*! Builds the tree over the parts of static surfaces. If there is only one surface and it has a tree, uses that
+       *  tree instead. Returns the number of new nodes. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
-        size_t numParts = 0, numPrimitives = 0;
+        size_t numParts = 0, numPrimRefs = 0;
         for (const auto& surface : report->surfaces) {
           bounds.extend(surface->bounds);
           numParts += surface->parts.size();
-          numPrimitives += surface->numPrimitives;
+          numPrimRefs += surface->numPrimRefs;
         }
         if (numParts == 0) return 0;
         if (report->surfaces.size() == 1 && report->surfaces[0]->root != BVH4::emptyNode) {
-          bvh->set(report->surfaces[0]->root,LBBox3fa(bounds),numPrimitives);
+          bvh->set(report->surfaces[0]->root,LBBox3fa(bounds),numPrimRefs);
           return 0;
         }
         mvector<PrimRef> parts(scene->device,numParts);
@@ -224,11 +233,12 @@ namespace embree
         bvh->alloc.init_estimate(numParts*sizeof(BVH4::AABBNode)/2);
         size_t nodes = 0;
         const BVH4::NodeRef root = isa::buildTree(bvh->alloc,parts,[&] { scene->progressMonitor(0.0); },nodes);
-        bvh->set(isa::moveLargestNodes(root,nodes,bvh->alloc),LBBox3fa(bounds),numPrimitives);
+        bvh->set(isa::moveLargestNodes(root,nodes,bvh->alloc),LBBox3fa(bounds),numPrimRefs);
         return nodes;
       }
 
-      /*! Returns the bytes of its nodes. */
+      /*! Builds the tree over the blocks of moving surfaces, and releases their boxes, which only the first build uses.
+       *  Returns the bytes of its nodes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -265,58 +275,59 @@ namespace embree
         std::cerr << line.text(treeBytes,report->statistics) << std::endl;
       }
 
-      /*! Prints what is not stored as requested. */
+      /*! Prints what is left out or not stored as requested, and how much of a mesh is in grids. */
       void reportAtVerbosity1 (const Surface& surface) const
       {
         if (!scene->device->verbosity(1)) return;
-        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
+        const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
         const std::string geometry = "compression: geometry " + std::to_string(surface.geomID) + ": ";
         Lock<MutexSys> lock(g_printMutex);
-        if (total.highRateQuads)
-          std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
+        if (statistics.highRateQuads)
+          std::cerr << geometry << statistics.highRateQuads << " quads of faces with edge rates above "
                     << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxFramedLevel)
                     << " are traced by GRID" << std::endl;
-        if (total.framelessQuads)
-          std::cerr << geometry << total.framelessQuads
+        if (statistics.framelessQuads)
+          std::cerr << geometry << statistics.framelessQuads
                     << " quads of blocks without a good frame (lines, outliers) are stored in full precision"
                     << std::endl;
-        if (total.sums.numFallbackQuads)
-          std::cerr << geometry << total.sums.numFallbackQuads
+        if (statistics.sums.numFallbackQuads)
+          std::cerr << geometry << statistics.sums.numFallbackQuads
                     << " quads of faces that leaves represent badly (borders, creases, walls, folds) "
                        "are stored as cVERT" << std::endl;
-        if (total.sums.numRawBlocks)
-          std::cerr << geometry << total.sums.numRawBlocks
+        if (statistics.sums.numRawBlocks)
+          std::cerr << geometry << statistics.sums.numRawBlocks
                     << " cVERT blocks store floats (because of a vertex that is not finite, a spacing that is too fine "
                        "for their width, or a neighbor that GRID traces)" << std::endl;
-        if (total.sums.numInvalidQuads && surface.isDiced())
-          std::cerr << geometry << total.sums.numInvalidQuads
+        if (statistics.sums.numInvalidQuads && !surface.isCage())
+          std::cerr << geometry << statistics.sums.numInvalidQuads
                     << " quads with vertices that are not finite are left out" << std::endl;
-        if (total.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
-          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, beginning with face "
-                    << total.firstUnsupportedFace << ", are left out: expected 3 to "
+        if (statistics.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
+          std::cerr << geometry << statistics.sums.numUnsupportedFaces << " faces, beginning with face "
+                    << statistics.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
                     << MAX_RING_FACE_VALENCE << " faces per vertex" << std::endl;
-        if (total.sums.numMeshQuads)
-          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numIrregularQuads << " of "
-                    << total.sums.numMeshQuads << " quads are in grids, "
-                    << total.sums.numIrregularQuads << " are stored in mesh blocks, or in grids of fewer than "
+        if (statistics.sums.numMeshQuads)
+          std::cerr << geometry << statistics.sums.numMeshQuads - statistics.sums.numIrregularQuads << " of "
+                    << statistics.sums.numMeshQuads << " quads are in grids, "
+                    << statistics.sums.numIrregularQuads << " are stored in mesh blocks, or in grids of fewer than "
                     << minGridSide << " quads along a side" << std::endl;
-        if (total.quadsForHoles)
-          std::cerr << geometry << total.quadsForHoles
+        if (statistics.quadsForHoles)
+          std::cerr << geometry << statistics.quadsForHoles
                     << " quads of patches with holes are stored as cLEAF, because cVOXEL cannot leave out quads"
                     << std::endl;
       }
 
       static std::string describeInvalid (const Surface& surface)
       {
-        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
-        if (surface.isDiced())
-          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace)
+        const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
+        if (!surface.isCage())
+          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(statistics.firstInvalidFace)
             + ": vertices are outside of their buffer; left out: "
-            + std::to_string(total.invalidFaces) + " grid(s)";
-        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace)
+            + std::to_string(statistics.invalidFaces) + " grid(s)";
+        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(statistics.firstInvalidFace)
           + ": vertices are not finite; left out of "
-          + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
+          + std::to_string(statistics.invalidFaces) + " face(s): " + std::to_string(statistics.sums.numInvalidQuads)
+          + " quads";
       }
     };
 
@@ -332,7 +343,7 @@ namespace embree
     {
       const CompressionSettings& settings = geometry->compression;
       std::atomic<size_t> done(0);
-      const Number number = cbvh::numberOf(geometry);
+      const SurfaceNumberPointer number = cbvh::numberOf(geometry);
       const CompressionPlan plan(geometry,*number);
       cbvh::setBlocks(geometry,newSurfaceBuilder(geometry,number,plan)->build([&](double primitives) {
           done += size_t(primitives);

@@ -108,7 +108,7 @@ namespace embree
             break;
           case CompressionPlan::VERT:
             if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
-            vertWriter.write(patch,[&](unsigned step) { return patch.evaluatedVertices(step); });
+            vertWriter.write(patch,[&](unsigned step) { return patch.cachedVertices(step); });
             break;
           }
           return true;

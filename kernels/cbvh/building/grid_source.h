@@ -13,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h */
+    /*! Grids: see surface/diced_grids.h. */
     template<typename Grids>
     class GridSource
     {

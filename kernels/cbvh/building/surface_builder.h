@@ -186,7 +186,7 @@ namespace embree
        *  nor so few blocks that each can be a part. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
-        blocks.numPrimitives = prims.size();
+        blocks.numPrimRefs = prims.size();
         for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
         if (plan.moves()) {
           cbvh::resizeToFit(blocks.moving,prims.size());

@@ -4,7 +4,8 @@
 #pragma once
 
 /* A geometry loaded from a file has blocks, but no input. Its mask, filters, user data and enabled state can be set.
- * Functions that read or change input fail. */
+ * Functions that read or change input throw RTC_ERROR_INVALID_OPERATION. So does commit() if the time range of moving
+ * blocks was changed. */
 
 #include "../base/codec_names.h"
 #include "../embree/scene.h"
@@ -17,7 +18,8 @@ namespace embree
   public:
     static const char* const noInputMessage; //!< message of the functions that fail
 
-    /*! record: entry of the file's directory. blocks: result of loadSurface(). The geometry is committed afterwards. */
+    /*! record: entry of the file's directory. blocks: result of loadSurface(). The constructor commits
+     *  the geometry. */
     LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                     const std::shared_ptr<const SurfaceBlocks>& blocks);
 
@@ -49,10 +51,10 @@ namespace embree
   private:
     [[noreturn]] static void rejectAccess ();
 
-    const BBox1f fileTimes; //!< times of the first and last step; blocks store them, so they cannot be changed
+    const BBox1f fileTimes; //!< times of the first and last step, which moving blocks store; 0 to 1 for static blocks
   };
 
-  /*! Throws if a geometry was loaded from a file. */
+  /*! Throws RTC_ERROR_INVALID_OPERATION if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::noInputMessage);

@@ -149,7 +149,7 @@ namespace embree
                                        file->path + ": geometry " + std::to_string(i));
       surface->mapped = mapped;
       surface->bounds = areBounds(record.lower,record.upper) ? boundsOf(record.lower,record.upper) : BBox3fa(empty);
-      surface->numPrimitives = size_t(record.numBlocks);
+      surface->numPrimRefs = size_t(record.numBlocks);
       surface->statistics = statisticsOf(record);
       SurfaceLoader loader(*file,i,*mapped,*surface);
       BVH4::NodeRef root;

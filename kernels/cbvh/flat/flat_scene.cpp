@@ -189,15 +189,15 @@ namespace embree
         if (!geometry || !geometry->isEnabled()) return out;
         out.typeName = nameOfType(geometry->getType());
         out.mask = geometry->mask;
-        out.timeSteps = geometry->numTimeSteps;
-        out.isSupported = out.timeSteps == 1 || asTreeGeometry(geometry,true) != nullptr;
+        out.numTimeSteps = geometry->numTimeSteps;
+        out.isMotionSupported = out.numTimeSteps == 1 || asTreeGeometry(geometry,true) != nullptr;
         out.hasFilter = geometry->hasFilterFunctions();
         switch (int(geometry->getType()))
         {
         case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED: {
           const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
           out.type = FLAT_SURFACE;
-          out.build = blocks ? blocks->buildID : 0;
+          out.buildID = blocks ? blocks->buildID : 0;
           break;
         }
         case Geometry::GTY_TRIANGLE_MESH: {
@@ -214,13 +214,14 @@ namespace embree
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: {
           Instance* instance = (Instance*)geometry;
           out.type = FLAT_INSTANCE;
-          out.isSupported = out.timeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
-          scene.ownTransforms.emplace_back(new float[12*out.timeSteps]);
-          if (out.timeSteps == 1) {
+          out.isMotionSupported =
+            out.numTimeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
+          scene.ownTransforms.emplace_back(new float[12*out.numTimeSteps]);
+          if (out.numTimeSteps == 1) {
             copyTransform(instance->getWorld2Local(),out.worldToLocal);
             copyTransform(instance->getLocal2World(),scene.ownTransforms.back().get());
           }
-          else for (uint32_t i=0; i<out.timeSteps; i++)
+          else for (uint32_t i=0; i<out.numTimeSteps; i++)
             copyTransform(AffineSpace3fa(instance->local2world[i]),scene.ownTransforms.back().get()+12*i);
           out.localToWorld = scene.ownTransforms.back().get();
           out.begin = instance->time_range.lower;
@@ -253,16 +254,16 @@ namespace embree
         flat->version = flatSceneVersion;
         flat->staticTree.root = flat->movingTree.root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
-        bool areAllSupported = true;
+        bool isAllMotionSupported = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
         // if false, the trees stay empty, see rtcFlattenScene
         for (const FlatGeometry& geometry : flat->ownGeometries)
-          areAllSupported &= geometry.type == FLAT_NONE || geometry.isSupported;
+          isAllMotionSupported &= geometry.type == FLAT_NONE || geometry.isMotionSupported;
 
         for (Accel* accel : scene->accels)
         {
-          if (!areAllSupported) break;
+          if (!isAllMotionSupported) break;
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
           const BVH4* const bvh = (const BVH4*)data;

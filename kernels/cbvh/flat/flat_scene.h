@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* A committed scene as plain data without types of Embree, for back ends (kernels/vulkan). Nodes are copied. Blocks,
- * vertices and indices are referenced: they are valid until the scene is committed again or released. */
+/* A committed scene as plain data without Embree's internal types, for back ends (kernels/vulkan). Nodes are copied.
+ * Blocks are referenced: they are valid until the scene is committed again or released. So are vertices and indices,
+ * but only until the application sets or frees their buffers. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -22,11 +23,11 @@ namespace embree
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
-      uint32_t children[4];           //!< references (reference.h) to nodes, blocks or leaves of grids
+      uint32_t children[4];           //!< references (base/reference.h) to nodes, blocks or leaves of grids
     };
 
-    /*! A plane at time t is its position at time 0 plus t times its difference: conservative in float, fused or not. A
-     *  child exists if begin <= t < end. */
+    /*! A plane at ray time t is atZero + t * difference: conservative in float, fused or not. A child exists if
+     *  begin <= t < end, which holds for all times unless the node splits time. */
     struct FlatMovingNode
     {
       FlatNode atZero;
@@ -39,12 +40,12 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! Type of references to the block (reference.h); gridLeafReferenceType for a grid. */
+      /*! Type of references to the block (base/reference.h); gridLeafReferenceType for a grid. */
       uint32_t type;
       uint32_t geomID;   //!< in this scene; blocks store the surface number
     };
 
-    /*! Leaf of a grid of GRID: 2 x 2 quads. */
+    /*! Leaf of a grid of GRID: up to 2 x 2 quads. */
     struct FlatGridLeaf
     {
       uint32_t block;    //!< index of the grid in blocks
@@ -57,13 +58,13 @@ namespace embree
     struct FlatGeometry
     {
       FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
-      const char* typeName;      //!< for messages, with article: "a triangle mesh"; null for FLAT_NONE
+      const char* typeName;      //!< follows "is" in messages, for example "a triangle mesh"; null for FLAT_NONE
       uint32_t mask;
-      uint32_t timeSteps;
-      bool isSupported;          //!< static, compressed, or an instance without quaternions
+      uint32_t numTimeSteps;
+      bool isMotionSupported;    //!< static, compressed, or an instance without quaternions
       bool hasFilter;
-      uint64_t build;            //!< SurfaceBlocks::buildID: identifies blocks that scenes share; 0 for other types
-      /* for FLAT_TRIANGLES: buffers of the application; strides in bytes */
+      uint64_t buildID;          //!< SurfaceBlocks::buildID: identifies blocks that scenes share; 0 for other types
+      /* for FLAT_TRIANGLES: buffers of the geometry at the first time step; strides in bytes */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
@@ -71,7 +72,7 @@ namespace embree
       float worldToLocal[12];    //!< columns x, y, z, translation; undefined for moving instances
       const float* localToWorld; //!< one such transform per time step, linear between steps
       float begin, end;          //!< times of the first and last step; a moving instance exists only between them
-      RTCScene instanced;
+      RTCScene instanced;        //!< not retained; NULL if the instance has no scene
       float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
     };
 
@@ -98,14 +99,14 @@ namespace embree
   }
 }
 
-#if defined(__cplusplus)
 extern "C" {
-#endif
 
-/* Flattens a committed scene. The caller must release the result with rtcReleaseFlatScene. If isSupported is false for
- * a geometry, the trees are empty, and the caller should report that geometry. Returns NULL and sets the error of the
- * scene's device if the scene is not committed, contains a damaged block of a file or a moving mesh block, or has more
- * nodes, blocks or leaves than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
+/* Flattens a committed scene. The caller must release the result with rtcReleaseFlatScene. If isMotionSupported is
+ * false for a geometry, the trees are empty, and the caller should report that geometry. version: flatSceneVersion of
+ * the caller. Applications use rtcore_vulkan.h.
+ *
+ * Returns NULL and reports an error if the scene is NULL or not committed, if the version differs, if the scene has a
+ * damaged block of a file or a moving mesh block, or if it has more nodes, blocks or leaves than references support. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */
@@ -114,6 +115,4 @@ RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const ch
 /* flat: may be NULL */
 RTC_API void rtcReleaseFlatScene (const struct embree::cbvh::FlatScene* flat);
 
-#if defined(__cplusplus)
 }
-#endif

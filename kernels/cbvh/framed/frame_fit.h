@@ -41,11 +41,13 @@ namespace embree
     /*! Largest ratio of two values of W in a block. */
     static constexpr double maxWRatio = 4.0;
 
-    /*! Smallest distance of vertices from the faces of the frame's box: more than twice containmentSlack (node.h). */
+    /*! Distance of the vertices from the faces of the frame's box, to which maps are scaled. After a map is rounded to
+     *  floats, at least half of it remains: twice containmentSlack (node.h). */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! Largest distance between two faces' evaluations of a shared vertex, of about twenty float operations each,
-     *  relative to its largest coordinate. Bounds are widened by it, so that neighboring blocks close the gap. */
+    /*! Assumed bound of the distance between two faces' evaluations of a shared vertex, which take about twenty float
+     *  operations each, relative to the largest absolute coordinate. Bounds are widened by it, so that the bounds of
+     *  neighboring blocks overlap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
     /*! Smallest extent of a box relative to its largest: keeps maps of flat blocks and needles invertible. If this
@@ -68,7 +70,8 @@ namespace embree
       return (1.0/length(c))*c;
     }
 
-    /*! Axes of the mean plane of four corners, in the order (0,0), (1,0), (0,1), (1,1). e1 is the mean edge along x. */
+    /*! Axes of the mean plane of four corners, in the order (0,0), (1,0), (0,1), (1,1). e1 has the direction
+     *  of the mean edge along x, unless that edge has no length. */
     inline CornerPlane fitPlane(const Double3 p[4])
     {
       const Double3 d1 = p[3]-p[0], d2 = p[2]-p[1];
@@ -97,16 +100,16 @@ namespace embree
       double a[4], b[4];
       for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
 
-      /* Convexity: compares twice the area of each corner triangle. */
+      /* Convexity: each corner triangle needs a positive share of the area. The four triangles cover the quad twice. */
       const int ring[4] = { 0, 1, 3, 2 };
-      double area = 0, smallest = DBL_MAX;
+      double twiceArea = 0, smallest = DBL_MAX;
       for (int i=0; i<4; i++) {
         const int i0 = ring[(i+3)&3], i1 = ring[i], i2 = ring[(i+1)&3];
         const double t = (a[i1]-a[i0])*(b[i2]-b[i0]) - (a[i2]-a[i0])*(b[i1]-b[i0]);
-        area += 0.5*t;
+        twiceArea += 0.5*t;
         smallest = t < smallest ? t : smallest;
       }
-      if (!(area > 0) || !(smallest > area/64)) return false;
+      if (!(twiceArea > 0) || !(smallest > twiceArea/64)) return false;
 
       /* Square to quad: a = (sa x + ta y + a0)/(g x + h y + 1), and the same for b. */
       const double dx1 = a[1]-a[3], dx2 = a[2]-a[3], dx3 = a[0]-a[1]+a[3]-a[2];
@@ -179,10 +182,10 @@ namespace embree
     struct MappedVertices
     {
       double lower[4], upper[4]; //!< of x, y and z; require isWBounded()
-      double minW, maxW;         //!< minW is -1 if W is not positive at each vertex
+      double minW, maxW;         //!< minW is -1 unless W is positive at all vertices
       double worldExtent;        //!< upper bound, on the longest axis
 
-      /*! vertices: at least one. farthest: their largest absolute coordinate. */
+      /*! vertices: at least one. farthest: their largest absolute coordinate, relative to the map's origin. */
       MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest)
         : worldExtent(2*farthest)
       {
@@ -206,9 +209,10 @@ namespace embree
       bool isWBounded() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box. Widens extents below minExtentRatio of the block's
-     *  world-space size, or below the resolution of floats. Returns true if x or y was widened (Frame::degenerate).
-     *  origin: world position to which the map's points are relative. */
+    /*! Scales X, Y and Z so that the vertices fill the box. First widens their bounds by vertexRounding, and extents
+     *  below minExtentRatio of the block's world-space size, or below the resolution of floats, to that size. Returns
+     *  true if x or y was that small (Frame::degenerate). origin: world position to which the map's points are
+     *  relative. vertices: receives the widened bounds. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
@@ -230,8 +234,9 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if W is positive and bounded at the eight corners of the box. */
-    inline bool isBounded(const FrameMap& map, const Double3& center)
+    /*! True if W is positive and bounded at the eight corners of the box. center: of the box, relative to the map's
+     *  origin. */
+    inline bool isWBoundedInBox(const FrameMap& map, const Double3& center)
     {
       if (!map.projective) return true;
       for (int i=0; i<8; i++) {
@@ -263,9 +268,10 @@ namespace embree
       return positive & 8 && std::isfinite(distance[0]) && std::isfinite(distance[1]) && std::isfinite(distance[2]);
     }
 
-    /*! Rounds a map to floats. Dropping the constants shifts the rounded center to (1/2,1/2,1/2). The map is then
-     *  scaled about the center, and rounded anew, until the box contains every vertex again. Returns false if this
-     *  fails. Requires frame.center. */
+    /*! Sets frame.columns to a map, rounded to floats. Blocks do not store the map's constants: frames map the rounded
+     *  center to exactly (1/2,1/2,1/2), which shifts vertices. The map is therefore scaled about the center, and
+     *  rounded anew, until the box contains every vertex with half of frameMargin. Returns false if this fails.
+     *  Requires frame.center. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
@@ -296,8 +302,8 @@ namespace embree
       return false;
     }
 
-    /*! Scales a map to contain the vertices. Returns false if W is out of bounds or floats cannot represent the map.
-     *  vertices: relative to origin. */
+    /*! Scales a map so that the box contains the vertices, and sets `frame`. Returns false if W is out of bounds or
+     *  floats cannot represent the map. vertices: relative to origin. farthest: see MappedVertices. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
       Frame& frame)
     {
@@ -307,17 +313,17 @@ namespace embree
       frame.projective = map.projective;
 
       Double3 center;
-      if (!unproject(map,0.5,0.5,0.5,center) || !isBounded(map,center)) return false;
+      if (!unproject(map,0.5,0.5,0.5,center) || !isWBoundedInBox(map,center)) return false;
       frame.center[0] = float(origin.x+center.x);
       frame.center[1] = float(origin.y+center.y);
       frame.center[2] = float(origin.z+center.z);
       return roundMap(map,origin,vertices,count,frame);
     }
 
-    /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats
-     *  there. Returns false if floats cannot represent any frame; no finite vertices are known for which this happens.
-     *  corners: finite world positions to align to, in the order (0,0), (1,0), (0,1), (1,1). vertices: `count` finite
-     *  world positions to contain, at least one. scratch: memory for `count` points. */
+    /*! Sets `frame` to the frame of a block. If its vertices have no extent, the box has the size of the resolution of
+     *  floats there. Returns false if floats cannot represent any frame; no finite vertices are known for which this
+     *  happens. corners: finite world positions to align to, in the order (0,0), (1,0), (0,1), (1,1). vertices: `count`
+     *  finite world positions to contain, at least one. scratch: memory for `count` points. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch,
       Frame& frame)
     {
@@ -333,7 +339,7 @@ namespace embree
       {
         const Double4 d = Double4(loadVertex(vertices,i,count))-from;
         distance = max(distance,abs(d));
-        if (i+1 < count) d.store(&scratch[i].x); // also writes the next point's first float
+        if (i+1 < count) d.store(&scratch[i].x); // also writes the next point's first coordinate
         else scratch[i] = relative(vertices[i]);
       }
       double far[4];

@@ -8,14 +8,15 @@
  *   column      0        1          Siblings share planes: both children of a
  *            |-----|  |-----|       column (row) have the same two x (y) planes,
  *            A     B  C     D       so 8 planes bound all four. A and D are the
- *       parent's x range            outer planes, B and C the inner ones; B and C
+ *       parent's x range            outer planes, B and C the inner ones. Columns
  *                                   overlap where the surface does.
  *
  * Each child has one z interval, from a codebook of 8.
  *
- * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. A step, fused or not, is off by at most one
- * ulp of a number below 2, and 8 levels by less than 2^-20. The encoder keeps every decoded plane at least this
- * containmentSlack away from the geometry, so bounds contain it on every ISA.
+ * A plane is lower + T * extent in floats, where T is a multiple of 1/256. Per level, rounding moves it by at most
+ * 2^-23, an ulp of numbers from 1 to 2, whether multiplications and additions are fused or not. 8 levels move it by at
+ * most 2^-20. The encoder keeps its decoded planes this distance, containmentSlack, away from the geometry. So decoded
+ * bounds contain the geometry on every ISA.
  *
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */
@@ -43,7 +44,7 @@ CVERT_FUNCTION NodeBox rootBox ()
 
 CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
-/*! See above. */
+/*! Smallest distance between a plane that the encoder decodes and the geometry, in frame coordinates; see above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
 /* Codebooks are packed into words, because GPUs would load tables from memory. */
@@ -53,19 +54,20 @@ CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Only compensates for
- *  the parent's rounding. */
+/*! Distance of an outer plane from the parent's plane, in parent extents: 0, 6/256, 16/256 or 36/256. The parent's
+ *  plane is farther out than needed, because it is quantized and shared with a sibling. */
 CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
-/*! Inner plane, in parent extents: upper plane of column 0, which the lower plane of column 1 mirrors. 116, 125, 130,
- *  136, 144, 160, 192 or 256 of 256; the packed bytes are less by 1. In frames that are aligned to patches, most planes
- *  are near the middle; 256 is for surfaces that fold over. */
+/*! Distance of an inner plane from the opposite plane of the parent, in parent extents: 116, 125, 130, 136, 144, 160,
+ *  192 or 256, divided by 256. The packed bytes store these numbers minus 1. In frames that are aligned to patches,
+ *  most planes are near the middle; 256 is for surfaces that fold over. */
 CVERT_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
 
 /*! z intervals in parent extents. The first always contains the child. The others minimize the mean logarithm of a
- *  child's height, over blocks of real and analytic displacements: 8% less per level than halves and quarters. In 1/32:
+ *  child's height, over blocks of real and analytic displacements. Per level, children are 8% lower than with intervals
+ *  of halves and quarters. In units of 1/32:
  *
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */
@@ -93,7 +95,8 @@ CVERT_CONSTANT int zBits = 3;
 CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
 CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
-/*! Planes of the children with a coordinate on an axis, in parent extents. pair: the 5 bits of a plane pair. */
+/*! Position of a child's lower or upper plane, in parent extents from the parent's lower plane. pair: the 5 bits of a
+ *  plane pair. coordinate: column (row) of the child for x (y), 0 or 1. */
 CVERT_FUNCTION float lowerPlane (uint32_t pair, int coordinate) {
   return coordinate == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
@@ -103,6 +106,7 @@ CVERT_FUNCTION float upperPlane (uint32_t pair, int coordinate) {
 
 CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
+/*! Returns the decoded box of child 0 to 3 of a node. parent: decoded box of the node. */
 CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;

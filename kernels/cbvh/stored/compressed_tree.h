@@ -12,6 +12,6 @@ namespace embree
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< a geometry is not a cage, so point queries must visit the tree
+    bool supportsPointQueries = false; //!< a geometry is not a cage: Embree supports no point queries of cages
   };
 }

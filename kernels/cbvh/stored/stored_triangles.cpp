@@ -297,7 +297,7 @@ namespace embree
 
     BlockIndex::BlockIndex (const SurfaceBlocks& surface)
     {
-      blocks.reserve(surface.numPrimitives);
+      blocks.reserve(surface.numPrimRefs);
       forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); });
       std::sort(blocks.begin(),blocks.end(),
                 [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });

@@ -144,7 +144,7 @@ namespace embree
 
   SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
     : number(number), buildID(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode),
-      bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
+      bounds(empty), numPrimRefs(0), blockIndex(nullptr) {}
 
   SurfaceBlocks::~SurfaceBlocks () { delete blockIndex.load(); }
 

@@ -40,7 +40,7 @@ namespace embree
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
     BBox3fa bounds;           //!< bounds of everything that rays can hit
-    size_t numPrimitives;     //!< number of blocks and grids
+    size_t numPrimRefs;       //!< number of blocks and grids
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 

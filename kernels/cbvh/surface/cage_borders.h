@@ -45,8 +45,9 @@ namespace embree
       /*! Exponent of the spacing of a face's lattice. */
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! Returns a patch's evaluated vertices, row by row; null unless the surface is small. */
-      const float (*evaluatedVertices (size_t face, int subPatch, unsigned step) const)[3] {
+      /*! Returns a patch's vertices as build() evaluated them, before borders are shared, row by row. Null unless the
+       *  surface is small. */
+      const float (*cachedVertices (size_t face, int subPatch, unsigned step) const)[3] {
         return firstCached.size() ? (const float(*)[3])cached.data() + step*numCached + firstOf(face,subPatch)
           : nullptr;
       }
@@ -183,7 +184,7 @@ namespace embree
         return firstCached[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }
       float (*cachedVertices (size_t face, int subPatch, unsigned step))[3] {
-        return (float(*)[3])evaluatedVertices(face,subPatch,step);
+        return (float(*)[3])((const CageBorders*)this)->cachedVertices(face,subPatch,step);
       }
 
       /*! Sets cached vertices of a face to NaN, because a vertex of the cage is not finite at that step. */

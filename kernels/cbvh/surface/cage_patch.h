@@ -16,7 +16,8 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! borders: null if the plan shares no borders; side() and latticeExponent() must then not be called. */
+      /*! The arguments must outlive the object. `patch` is valid during forEachPatch's closure (patches.h). borders:
+       *  null if the plan shares no borders. side(), latticeExponent() and cachedVertices() must then not be called. */
       CagePatch (SubdivMesh* mesh, uint32_t surfaceNumber, size_t face, const PatchOfFace& patch,
                  const CageBorders* borders, PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surfaceNumber,face))
@@ -43,16 +44,18 @@ namespace embree
         return evaluator;
       }
 
-      const float (*evaluatedVertices (unsigned step) const)[3] {
-        return borders->evaluatedVertices(primID,patch.subPatch,step);
+      /*! See CageBorders. */
+      const float (*cachedVertices (unsigned step) const)[3] {
+        return borders->cachedVertices(primID,patch.subPatch,step);
       }
 
       CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
       int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }
 
+      /*! Bit mask of the sides where the surface ends or bends, see sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! Embree's form of the patch, for patches that GRID traces. */
+      /*! Embree's form of the patch at the first time step, for patches that GRID traces. */
       const SubdivPatch1Base& embreePatch () const { return base; }
 
     private:

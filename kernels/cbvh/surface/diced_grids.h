@@ -25,7 +25,7 @@
  *   bool isError (size_t i) const
  *       True if a commit reports grid i as an error: its vertices are outside of their buffer.
  *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device)
- *       Estimated bytes of Embree's own kernels for a grid. */
+ *       Estimated bytes that Embree's own representation of a grid needs, with all time steps. */
 
 #include "embree_bytes.h"
 #include "../base/codec_names.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A grid that an application diced, as a patch (source.h). */
+/* A grid of a grid geometry, or a region of a mesh, as a patch (source.h). */
 
 #include "grid_borders.h"
 #include "source.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How the patches of a geometry are stored, by its settings (state/settings.h). Diced and moving geometry is always
- * stored as cVERT. */
+/* How the patches of a geometry are stored, by its settings (state/settings.h). Moving geometry, and all but cages, is
+ * always stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -15,7 +15,7 @@ namespace embree
   {
     struct CompressionPlan
     {
-      uint32_t surfaceNumber;        //!< see surface_ids.h
+      uint32_t surfaceNumber;        //!< see base/surface_ids.h
       unsigned numTimeSteps;
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved

@@ -68,7 +68,8 @@ namespace embree
       }
 
       /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). firstCorners: receives
-       *  the corners with which the triangles begin (quad_numbers.h). Returns false if they share no edge. */
+       *  the corners with which the triangles begin (cvert/format/quad_numbers.h). Returns false if they share no
+       *  edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& firstCorners)
       {
         for (unsigned i=0; i<3; i++)

@@ -15,8 +15,8 @@
  * SIDES are numbered around the patch: v = 0, u = 1, v = 1, u = 0. Vertices of a side are counted in that direction.
  *
  * THREADS. The builder constructs a source, and calls prepare() and release(), on one thread at a time. prepare() may
- * use all threads. Between these calls, threads call const members concurrently. Scratch and Writer, and the patches
- * made with them, belong to one task.
+ * use all threads. Between prepare() and release(), threads call const members concurrently. Scratch and Writer, and
+ * the patches made with them, belong to one task.
  *
  * ERRORS. Members may throw rtcore_error, std::bad_alloc, or what progress() throws. The build then ends, and the
  * geometry keeps its old blocks. Vertices that are not finite are no error: writers omit their quads and count them.
@@ -26,10 +26,10 @@
  *   Patch (const Patch& other, Scratch& scratch)
  *       The same patch for another task. `other` outlives it.
  *   PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
- *       Evaluates a part of the patch at a time step, as quadsX x quadsY quads, at least `quads`. Returns the displaced
- *       vertices, row by row, and the undisplaced vertices if a writer of blocks with frames reads the patch. Edges of
- *       a lower rate are stitched as in Embree. The result is valid until the next call with the same scratch, and the
- *       caller may overwrite it.
+ *       Evaluates a part of the patch at a time step. quadsX, quadsY: size of the whole patch, not less than `quads`.
+ *       Returns the displaced vertices, row by row, and the undisplaced vertices if a writer of blocks with frames
+ *       reads the patch. Edges of a lower rate are stitched as in Embree. The result is valid until the next call with
+ *       the same scratch, and the caller may overwrite it.
  *   Side side (int s, unsigned step) const
  *       The vertices along a side, the same for all primitives that share it, by the rule in shared_border.h. A Side
  *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
@@ -48,11 +48,12 @@
  *   Source (Mesh* mesh, const CompressionPlan& plan)
  *       Both outlive the source. Mesh is the type that SourceBuilder is constructed with, a CompressibleGeometry.
  *   size_t size () const
- *       Number of primitives. Blocks store them in 32 bits.
+ *       Number of primitives, at most 2^32, because blocks store their numbers in 32 bits.
  *   size_t estimateBlocks () const
  *       Rough number of blocks, by which the builder divides work and reserves memory. May be called before prepare().
  *   size_t perTask (bool isSmall) const
- *       Primitives per task, at least 1. isSmall: there are few blocks, for one task. May be called before prepare().
+ *       Primitives per task, at least 1. isSmall: one task should write all of the few blocks. May be called before
+ *       prepare().
  *   void prepare (size_t perTask, const Progress& progress)
  *       Computes what is needed of all primitives before any of them is written: lattices and shared vertices.
  *       Calls progress(0.0), which may throw to cancel, from time to time, also from several threads at once.
@@ -66,12 +67,16 @@
  *   bool isUnsupported (size_t primitive) const
  *       True if the primitive has no patches because Embree cannot evaluate it. It is counted; this is not an error.
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
- *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
+ *       Estimated bytes that Embree's own representation of the patch needs, with all time steps, for the line that
+ *       reports a commit.
  *   Writer (const Source& source, BlockStore& store, cbvh::BuildStatistics& statistics)
  *       Writes the patches of a task in order, appends blocks to the store and counts them. The arguments outlive it.
  *   bool Writer::write (size_t primitive, Patch& patch)
  *       Writes the blocks of a patch. Returns false, and writes nothing, if the patch has so many rows that the builder
- *       should divide it into strips, one per task. */
+ *       should divide it into strips, which tasks write as cVERT.
+ *   const StoredBorders& storedBorders () const
+ *       Optional: vertices that primitives in mesh blocks share with the source's patches (irregular_triangles.h).
+ *       Valid from prepare() to release(). */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -85,16 +90,18 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned minGridSide = 4; //!< minimum quads per side of a mesh's grids; other primitives are irregular
+    /*! Quads per side from which a mesh's grid is regular. Statistics count quads of narrower grids as irregular,
+     *  whether they are stored in grids or mesh blocks. */
+    static const unsigned minGridSide = 4;
 
     struct SurfacePatch
     {
-      uint32_t surfaceNumber; //!< see surface_ids.h
+      uint32_t surfaceNumber; //!< see base/surface_ids.h
       unsigned primID;
       unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
-      unsigned quads[2];    //!< along u and v: higher rates of opposite edges
-      const float* rate;    //!< rates of the four sides; integers
-      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is one primitive
+      unsigned quads[2];    //!< along u and v: higher rate of the two edges
+      const float* rate;    //!< integer rates of the four sides; must outlive the patch
+      const cbvh::QuadNumbers* numbers = nullptr; //!< primitive numbers of the quads; null if all have primID
     };
 
     /*! Types of the expressions that builder and writers apply to a source S. */

@@ -33,7 +33,7 @@ namespace embree
         /*! Visits the leaves of a tree, nearest children first. Returns true if a call changed the query. */
         bool operator() (const BVH4* bvh)
         {
-          if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
+          if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->supportsPointQueries) return false;
           bool changed = false;
           Item stack[1+3*BVH4::maxDepth];
           size_t n = 0;

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Exact tests of a group's triangles that mayContain (rule.h) accepted. Hits are reported through base/epilogues.h. */
+/* Exact tests of a group's triangles that mayContain (cvert/rule/rule.h) accepted. Hits are reported through
+ * base/epilogues.h. */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -58,7 +59,7 @@ namespace embree
        *    const SurfaceIDs& ids ()
        *      Of the scene.
        *    bool needsHitData (block)
-       *      See epilogues.h.
+       *      See base/epilogues.h.
        *    bool report (block, primID, hit)
        *      Returns true if the hit is accepted. */
       template<typename Target, typename Cached>

@@ -83,7 +83,7 @@ namespace embree
 
     /* --- moving blocks --- */
 
-    /*! Where the vertex fields of a block are at a time step after the first (mesh_motion.h). */
+    /*! Where the vertex fields of a block are at a time step after the first (cvert/format/mesh_motion.h). */
     struct MeshStepFields
     {
       const uint8_t* data;        //!< start of the step's fields

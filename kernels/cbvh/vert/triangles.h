@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! One triangle of a group, and the exact tests of rule.h for it. */
+      /*! One triangle of a group, and the exact tests of cvert/rule/rule.h for it. */
       struct VertTriangle
       {
         typedef TriangleSides<float> Sides;

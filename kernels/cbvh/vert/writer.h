@@ -4,9 +4,10 @@
 #pragma once
 
 /* Writer of cVERT: turns the patches of a source (surface/source.h) into blocks, and appends them to a store. Rounds
- * vertices to the patch's lattice, and border vertices to lattices that patches share (shared_border.h); encoding is
- * then lossless. Several tasks can write strips of one patch, each with its own writer and store. A strip is a range of
- * rows of quads, which bounds the memory of a task. The caller must flush the store after the last patch. */
+ * vertices to the patch's lattice, and border vertices to lattices that patches share (surface/shared_border.h);
+ * encoding is then lossless. Several tasks can write strips of one patch, each with its own writer and store. A strip
+ * is a range of rows of quads, which bounds the memory of a task. The caller must flush the store after the last
+ * patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"

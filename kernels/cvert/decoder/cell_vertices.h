@@ -143,7 +143,7 @@ CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy
   return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
 }
 
-/*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see block.h. */
+/*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see format/block.h. */
 CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
 {
   CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];

@@ -19,7 +19,7 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Real is a float, or a vector of floats with a ray or quad per lane. See language.h on Wide.
+ * Real is a float, or a vector of floats with a ray or quad per lane. See basics/language.h on Wide.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
@@ -42,7 +42,7 @@ CVERT_CONSTANT float slackUlps = 14.0f;
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! The same for the sheared coordinate (block.h), a sum of three terms. */
+/*! The same for the sheared coordinate (format/block.h), a sum of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
 /*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: at least

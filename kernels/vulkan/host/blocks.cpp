@@ -194,7 +194,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
 {
   device.uploads.removeExpired();
   std::map<uint64_t, std::vector<PlacedBlock*>> builds;
-  for (PlacedBlock& block : blocks) builds[block.build].push_back(&block);
+  for (PlacedBlock& block : blocks) builds[block.buildID].push_back(&block);
 
   BlockBuffers out;
   std::vector<std::pair<uint64_t, std::vector<PlacedBlock*>>> small;

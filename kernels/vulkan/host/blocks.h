@@ -14,11 +14,11 @@ namespace embree { namespace vulkan {
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;
-  uint64_t build;                // FlatGeometry::build; 0 if scenes do not share the surface
+  uint64_t buildID;              // FlatGeometry::buildID; 0 if scenes do not share the surface
   VkDeviceAddress address = 0;
 };
 
-/* The blocks of one build of a surface (FlatGeometry::build) on a device. */
+/* The blocks of one build of a surface (FlatGeometry::buildID) on a device. */
 struct UploadedSurface
 {
   struct Place { const void* data; VkDeviceAddress address; };

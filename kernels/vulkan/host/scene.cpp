@@ -45,7 +45,7 @@ bool isVertexInRange(const float* p)
 Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
-  for (uint32_t step = 0; step < instance.timeSteps; step++)
+  for (uint32_t step = 0; step < instance.numTimeSteps; step++)
     for (int corner = 0; corner < 8; corner++) {
       const float* m = instance.localToWorld + 12*step;
       float p[3];
@@ -138,9 +138,9 @@ private:
         if (geometry.type == FLAT_OTHER)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                             name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
-        if (!geometry.isSupported)
+        if (!geometry.isMotionSupported)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
-                            + std::to_string(geometry.timeSteps)
+                            + std::to_string(geometry.numTimeSteps)
                             + " time steps): Vulkan devices support motion blur only for compressed geometry, and for "
                               "instances with linear transforms");
         if (geometry.hasFilter)
@@ -169,7 +169,7 @@ private:
     for (const InputScene& input : inputs)
       for (size_t i = 0; i < input.flat->numBlocks; i++) {
         const FlatBlock& block = input.flat->blocks[i];
-        placed.push_back({&block, input.flat->geometries[block.geomID].build});
+        placed.push_back({&block, input.flat->geometries[block.geomID].buildID});
       }
     const bool isImportRequired = memory == RTC_VULKAN_MEMORY_IMPORT;
     const bool isImportCheap = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
@@ -325,12 +325,12 @@ private:
     if (geometry.type == FLAT_INSTANCE) {
       const InputScene& instanced = inputs[inputIndex.at(geometry.instanced)];
       std::copy(geometry.worldToLocal, geometry.worldToLocal + 12, data.worldToLocal);
-      data.numSteps = geometry.timeSteps;
-      if (geometry.timeSteps > 1) {
+      data.numSteps = geometry.numTimeSteps;
+      if (geometry.numTimeSteps > 1) {
         data.begin = geometry.begin;
         data.end = geometry.end;
         data.transforms
-          = writeArray(geometry.localToWorld, 12*size_t(geometry.timeSteps), "transforms of an instance").address();
+          = writeArray(geometry.localToWorld, 12*size_t(geometry.numTimeSteps), "transforms of an instance").address();
       }
       data.root = instanced.tree.root;
       data.firstGeometry = instanced.firstGeometry;
@@ -377,11 +377,11 @@ private:
       const FlatGeometry& instance = top.geometries[i];
       if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
       const size_t s = inputIndex.at(instance.instanced);
-      if (instance.timeSteps == 1 && !isInvertible(instance)) continue;
+      if (instance.numTimeSteps == 1 && !isInvertible(instance)) continue;
       for (const SceneBoxes& sceneBoxes : boxesOfInputs[s])
       {
         const PlacedBoxes placed = {sceneBoxes.address, uint32_t(i), inputs[s].firstGeometry};
-        if (instance.timeSteps == 1) builder.addInstance(sceneBoxes.level, instance.localToWorld, placed);
+        if (instance.numTimeSteps == 1) builder.addInstance(sceneBoxes.level, instance.localToWorld, placed);
         else builder.addInstance(
           builder.addLevel(sceneBoxes.boxes, QueryStructures::LevelID(s, sceneBoxes.boxes.geomID, uint32_t(i)),
                            [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces whose blocks are on a device, by FlatGeometry::build, for reuse while a scene uses them. Thread-safe. */
+/* Surfaces whose blocks are on a device, by FlatGeometry::buildID, for reuse while a scene uses them. Thread-safe. */
 
 #include <cstdint>
 #include <map>
@@ -18,17 +18,17 @@ class Uploads
 {
 public:
   /* NULL if no scene on the device uses the surface. */
-  std::shared_ptr<const UploadedSurface> find(uint64_t build) const
+  std::shared_ptr<const UploadedSurface> find(uint64_t buildID) const
   {
     std::lock_guard<std::mutex> lock(mutex);
-    const auto found = surfaces.find(build);
+    const auto found = surfaces.find(buildID);
     return found == surfaces.end() ? nullptr : found->second.lock();
   }
 
-  void add(uint64_t build, const std::shared_ptr<const UploadedSurface>& surface)
+  void add(uint64_t buildID, const std::shared_ptr<const UploadedSurface>& surface)
   {
     std::lock_guard<std::mutex> lock(mutex);
-    surfaces[build] = surface;
+    surfaces[buildID] = surface;
   }
 
   void removeExpired()

@@ -15,24 +15,25 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Smallest cosine of the angle between the normals of a leaf and its quad. */
+    /*! Smallest cosine of the angle between the normals of a good leaf and its quad. */
     static constexpr double minNormalCosine = 0.7;
 
-    /*! Largest thickness of a leaf, relative to the side of a square with the quad's area. */
-    static constexpr double maxLeafThickness = 0.25;
+    /*! Largest thickness of a good leaf, relative to the side of a square with the quad's area. */
+    static constexpr double maxRelativeThickness = 0.25;
 
-    /*! Largest distance that a leaf extends past an edge where the surface ends or bends, in leaf extents. */
+    /*! Largest distance that a good leaf extends past an edge where the surface ends or bends, in leaf extents. */
     static constexpr double maxOverhang = 1.0/16;
 
     /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends, that may be poor. */
-    static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
+    static constexpr double maxPoorQuadFraction = 1.0/64, maxPoorEdgeFraction = 1.0/16;
 
+    /*! Quads from which isClearlyPoor() judges a larger patch. */
     static constexpr size_t minSampleQuads = 1024;
 
     /*! Counts, of a block or a patch. */
     struct LeafFit
     {
-      uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, separate or solid
+      uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, or in a group of separate leaves
       uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
       uint32_t flippedQuads = 0;         //!< normal is off by over 90 degrees
 
@@ -44,32 +45,35 @@ namespace embree
       }
 
       /*! True if the patch should be stored as cVERT. */
-      bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
+      bool isPoor() const { return poorQuads > maxPoorQuadFraction*quads || poorEdges > maxPoorEdgeFraction*edges; }
 
-      /*! isPoor() before all quads and edges were measured. The first quarter of the quads, but at least
-       *  minSampleQuads, is a sample of the patch; it must be distributed over the patch. allEdges: all that will be
-       *  added. */
-      bool isClearlyPoor(size_t allQuads, size_t allEdges) const
+      /*! Returns true if the part of a patch that was added so far suffices to store the patch as cVERT: if poor quads
+       *  exceed their fraction of a sample, or poor edges their fraction of all edges. The first quarter of the quads,
+       *  but at least minSampleQuads, is the sample; it must be distributed over the patch. patchQuads: quads of the
+       *  patch. maxEdges: upper bound of the edges that will be added. */
+      bool isClearlyPoor(size_t patchQuads, size_t maxEdges) const
       {
-        const size_t sampleSize = std::min(allQuads,std::max(allQuads/4,minSampleQuads));
-        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),sampleSize))
-          || poorEdges > maxPoorEdges*double(allEdges);
+        const size_t sampleSize = std::min(patchQuads,std::max(patchQuads/4,minSampleQuads));
+        return poorQuads > maxPoorQuadFraction*double(std::max(size_t(quads),sampleSize))
+          || poorEdges > maxPoorEdgeFraction*double(maxEdges);
       }
 
-      /*! Adds a quad at (x,y) of a block and its leaf. slope: of the leaf's plane. isRough: the leaf is separate or
-       *  solid. thickness: in world space. */
+      /*! Adds quad (x,y) of a block and its leaf. Ignores quads without area or with vertices that are not finite. box:
+       *  of the leaf. slope: dz/dx and dz/dy of the leaf's plane in the frame. isSeparate: its group has separate
+       *  leaves. thickness: in world space. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
-        bool isRough, double thickness)
+        bool isSeparate, double thickness)
       {
         const QuadNormal quad(geometry,x,y);
-        if (!(quad.length > 0)) return; // the quad has no area, or is not finite
+        if (!(quad.length > 0)) return;
         const double cosine = quad.cosine(geometry.frame,box,slope);
         quads++;
         flippedQuads += cosine < 0;
-        poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
+        poorQuads += isSeparate || cosine < minNormalCosine
+          || thickness > maxRelativeThickness*std::sqrt(0.5*quad.length);
       }
 
-      /*! Adds a quad of cVOXEL, whose normal is the frame's z axis. Counts only flipped quads. */
+      /*! Adds a quad of cVOXEL, whose plane has a constant z in the frame. It may be flipped, but is never poor. */
       void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
@@ -106,7 +110,8 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Cosine of the angle to the normal (normal.h) of the plane with these slopes through the middle of a box. */
+        /*! Cosine of the angle to the normal (normal.h) of the plane with these slopes through the middle of a box.
+         *  0 if that plane has no normal. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =

@@ -25,14 +25,14 @@ namespace embree
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
-          // of hits at the same distance, the first one of the walk is accepted
+          // of this block's hits at the same distance, the first is accepted; reportHit() compares other blocks' hits
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
         }
 
       private:
-        /*! Position in a leaf's box at s, along an axis, 0 to 1. */
+        /*! Position in a leaf's box at s along an axis: 0 at the lower plane, 1 at the upper one, clamped. */
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
           const float lower = boxes.planes[axis][0][leaf], upper = boxes.planes[axis][1][leaf];

@@ -5,7 +5,7 @@
  * the first interpolation. In a face with four corners, (u,v) outside of 0 to 1 extrapolates the surface. In other
  * faces, (u,v) must select an existing sub-patch. */
 
-#include "interpolation.h"
+#include "interpolation_checks.h"
 #include "../surface/patches.h"
 
 namespace embree

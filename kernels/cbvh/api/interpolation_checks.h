@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Checks the face and (u,v) of rtcInterpolate and rtcInterpolateN for subdivision surfaces, because Embree does not.
+ * Other arguments, such as bufferSlot, must be valid. */
+
+#include "../embree/scene.h"
+
+namespace embree
+{
+  /*! Marks the faces whose neighborhood exceeds the fixed-size arrays of Embree's patches, in each topology. The commit
+   *  calls it after Embree has computed the half-edges. */
+  void markUnsupportedFaces (SubdivMesh* mesh);
+
+  /*! Throw rtcore_error if Embree would read past its arrays: if a face does not exist, has no edges or is marked,
+   *  if it does not have four corners and (u,v) is in none of its sub-patches, or if the topology was not committed.
+   *  Thread-safe, unless another thread changes the geometry. */
+  void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args);
+  void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args);
+}
