@@ -7,6 +7,7 @@
 
 #include <embree3/rtcore_compression.h>
 
+#include <cstdio>
 #include <utility>
 
 using namespace embree::beside;
@@ -111,6 +112,15 @@ CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFun
   function(userPtr, failure.code, failure.text.c_str());
   errorText = failure.text; // an error that the function caused must not replace this one
   return failure.code;
+}
+
+void embree::beside::checkFlags(unsigned int flags, unsigned int known, const char* of)
+{
+  const unsigned int unknown = flags & ~known;
+  if (!unknown) return;
+  char text[96];
+  std::snprintf(text, sizeof(text), "unknown flags 0x%x of a %s: expected bits of 0x%x", unknown, of, known);
+  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
 }
 
 CbvhError embree::beside::rejectArgument(const char* text)

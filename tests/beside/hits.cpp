@@ -224,6 +224,62 @@ void testFilters(RTCDevice device, CbvhContext context)
     }
 }
 
+void changeHit(const RTCFilterFunctionNArguments* args)
+{
+  for (unsigned i = 0; i < args->N; i++) {
+    if (args->valid[i] == 0) continue;
+    RTCRayN_tfar(args->ray, args->N, i) *= 0.5f;
+    RTCHitN_Ng_x(args->hit, args->N, i) = 1;
+    RTCHitN_Ng_y(args->hit, args->N, i) = 2;
+    RTCHitN_Ng_z(args->hit, args->N, i) = 3;
+    RTCHitN_u(args->hit, args->N, i) = 0.125f;
+    RTCHitN_v(args->hit, args->N, i) = 0.375f;
+    RTCHitN_primID(args->hit, args->N, i) += 100;
+  }
+}
+
+// Embree lets filters change hits that they accept, and decrease tfar.
+void testChangingFilters(RTCDevice device, CbvhContext context)
+{
+  const Group group(context, 32, 2);
+  const Scene plain(device, group, 0), byContext(device, group, contextFilters);
+  Scene byGeometry(device, group, CBVH_GEOMETRY_FLAG_FILTERS);
+  rtcSetGeometryIntersectFilterFunction(byGeometry.geometry, changeHit);
+  rtcCommitGeometry(byGeometry.geometry);
+  rtcCommitScene(byGeometry);
+  Query withFilter;
+  withFilter.filter = changeHit;
+  const std::vector<RTCRayHit> rays = randomRays(generator, 4000, true, 0.6f);
+  size_t hits = 0, halves = 0;
+  alignas(64) int valid[8];
+  std::fill(valid, valid + 8, -1);
+  for (const Scene* scene : {&byContext, (const Scene*)&byGeometry})
+    for (size_t first = 0; first + 8 <= rays.size(); first += 8) {
+      const Query query = scene == &byContext ? withFilter : Query();
+      RTCRayHit8 packet;
+      for (unsigned i = 0; i < 8; i++) setRay(&packet, 8, i, rays[first + i]);
+      intersect(valid, *scene, packet, query);
+      for (unsigned i = 0; i < 8; i++) {
+        RTCRayHit unchanged = rays[first + i], one = unchanged;
+        intersect(plain, unchanged);
+        intersect(*scene, one, query);
+        CHECK(isHit(one) == isHit(unchanged));
+        CHECK((packet.hit.geomID[i] == 0) == isHit(unchanged));
+        if (!isHit(unchanged)) continue;
+        hits++;
+        halves += one.ray.tfar == 0.5f*unchanged.ray.tfar; // of farther hits, those that were found first
+        CHECK(one.ray.tfar >= 0.5f*unchanged.ray.tfar && packet.ray.tfar[i] >= 0.5f*unchanged.ray.tfar);
+        CHECK(one.hit.geomID == 0 && one.hit.primID >= 100 && one.hit.primID < 112);
+        CHECK(packet.hit.primID[i] >= 100 && packet.hit.primID[i] < 112);
+        CHECK(one.ray.tfar != 0.5f*unchanged.ray.tfar || one.hit.primID == unchanged.hit.primID + 100);
+        CHECK(one.hit.Ng_x == 1 && one.hit.Ng_y == 2 && one.hit.Ng_z == 3);
+        CHECK(one.hit.u == 0.125f && one.hit.v == 0.375f);
+        CHECK(packet.hit.Ng_x[i] == 1 && packet.hit.Ng_z[i] == 3 && packet.hit.v[i] == 0.375f);
+      }
+    }
+  CHECK(hits > 400 && halves > hits/2);
+}
+
 void testInstances(RTCDevice device, CbvhContext context)
 {
   const Group group(context);
@@ -459,7 +515,7 @@ void testLossless(RTCDevice device, CbvhContext context)
       geometry = rtcNewGeometry(device, corners == 4 ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
       setHostVertices(geometry, input);
       const RTCFormat format = corners == 4 ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3;
-      setHostBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format, 4*corners, mesh.count, mesh.indices);
+      setHostBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format, 4*corners, mesh.numFaces, mesh.indices);
       checkHostsHits(device, context, surface, geometry, corners == 4 ? "quads" : "triangles");
     }
     cbvhReleaseSurface(surface);
@@ -485,7 +541,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
   const float* const steps[] = {vertices[0].data()};
   CbvhMesh mesh = CbvhMesh();
   mesh.verticesPerFace = 3;
-  mesh.count = indices.size()/3;
+  mesh.numFaces = indices.size()/3;
   mesh.indices = indices.data();
   mesh.vertices = {vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
   CbvhSurface surface = nullptr;
@@ -498,7 +554,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
     OK(cbvhNewGroup(context, surfaces.data(), count, &group));
     OK(cbvhCommitGroup(group));
     RTCGeometry geometry = cbvhNewGeometry(device, group, 0);
-    CHECK((geometry != nullptr) == (count*mesh.count < 0xFFFFFFFFu));
+    CHECK((geometry != nullptr) == (count*mesh.numFaces < 0xFFFFFFFFu));
     CHECK(geometry || std::string(cbvhGetErrorText()).find("too many primitives") != std::string::npos);
     if (geometry) rtcReleaseGeometry(geometry);
     cbvhReleaseGroup(group);
@@ -556,6 +612,7 @@ int main()
   testScenes(device, context);
   testMasks(device, context);
   testFilters(device, context);
+  testChangingFilters(device, context);
   testInstances(device, context);
   testSurface(device, context);
   testManySurfaces(device, context);

@@ -82,7 +82,7 @@ public:
     const CbvhGrid grid = {0, terrain.side, (unsigned short)terrain.side, (unsigned short)terrain.side};
     const float* const steps[1] = {terrain.vertices[0].data()};
     CbvhGrids grids = CbvhGrids();
-    grids.count = 1;
+    grids.numGrids = 1;
     grids.grids = &grid;
     grids.vertices = {terrain.vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
     CbvhAccuracy accuracy = CbvhAccuracy();

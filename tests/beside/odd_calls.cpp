@@ -409,6 +409,32 @@ TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
   EXPECT_TRUE(isSeen(group));
 }
 
+// A later version may define them: ignoring them would change what a program traces.
+TEST_F(OddCalls, UnknownFlagsOfQueriesAreRejected)
+{
+  commit();
+  const CbvhRayHit ray = rayFromAbove();
+  alignas(16) float packet[20*4];
+  for (unsigned word = 0; word < 20; word++)
+    for (unsigned i = 0; i < 4; i++) std::memcpy(&packet[4*word + i], (const char*)&ray + 4*word, 4);
+  CbvhQuery query = CbvhQuery();
+  for (unsigned flags : {2u, 0x80000001u}) {
+    query.flags = flags;
+    CbvhRayHit closest = ray;
+    CbvhRay any = ray.ray;
+    EXPECT_EQ(cbvhIntersect1(group, &closest, &query), 0);
+    EXPECT_NE(std::string(cbvhGetErrorText()).find(flags == 2 ? "0x2 of a query" : "0x80000000 of a query"),
+              std::string::npos) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhOccluded1(group, &any, &query), 0);
+    EXPECT_EQ(closest.ray.tfar, INFINITY);
+    EXPECT_EQ(any.tfar, INFINITY);
+    EXPECT_EQ(cbvhIntersect4(group, nullptr, packet, &query), 0u);
+    EXPECT_EQ(cbvhOccluded4(group, nullptr, packet, &query), 0u);
+  }
+  query.flags = CBVH_QUERY_FLAG_COHERENT;
+  EXPECT_EQ(cbvhIntersect4(group, nullptr, packet, &query), 15u);
+}
+
 TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
 {
   commit();

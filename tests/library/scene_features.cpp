@@ -5,6 +5,7 @@
  * streams. */
 
 #include "support/filtered_geometry.h"
+#include "support/query_forms.h"
 #include "support/random.h"
 #include "support/scene.h"
 
@@ -288,6 +289,49 @@ TEST_P(SceneFeatures, FilterThatRejectsAllLeavesRayUnchanged)
     for (size_t i = 0; i < r.seen.size(); i++) ASSERT_TRUE(isSame(r.seen[i], r.seenByAnyHit[i])) << "hit " << i;
   }
   EXPECT_GT(seen, 300u);
+}
+
+void changeHit(const RTCFilterFunctionNArguments* args)
+{
+  for (unsigned i = 0; i < args->N; i++) {
+    if (args->valid[i] != -1) continue;
+    RTCRayN_tfar(args->ray, args->N, i) *= 0.5f;
+    RTCHitN_Ng_x(args->hit, args->N, i) = 1;
+    RTCHitN_u(args->hit, args->N, i) = 0.125f;
+    RTCHitN_primID(args->hit, args->N, i) += 100;
+    RTCHitN_geomID(args->hit, args->N, i) = 7;
+  }
+}
+
+// Rays from inside of a closed convex surface have one hit.
+TEST_P(SceneFeatures, FilterMayChangeHitAndDecreaseTfar)
+{
+  SurfaceSettings plain = settings();
+  plain.displacement = nullptr;
+  Scene scene(device), changed(device);
+  addSurface(device, scene, cubeCage(), plain);
+  rtcCommitScene(scene);
+  addFilteredCube(device, changed, plain, changeHit);
+  Random random(67);
+  std::vector<RTCRayHit> rays;
+  for (int i = 0; i < 480; i++)
+    rays.push_back(makeRay({0, 0, 0}, {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 0.7f}));
+  const bool hasThickLeaves = GetParam() == RTC_COMPRESSION_CVOXEL || GetParam() == RTC_COMPRESSION_CLEAF;
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    const std::vector<RTCRayHit> expected = closestHits(scene, rays, form), found = closestHits(changed, rays, form);
+    for (size_t i = 0; i < rays.size(); i++) {
+      ASSERT_TRUE(isHit(expected[i]));
+      ASSERT_NEAR(found[i].ray.tfar, 0.5f*expected[i].ray.tfar, (hasThickLeaves ? 2e-2f : 1e-6f)*expected[i].ray.tfar);
+      ASSERT_EQ(found[i].hit.geomID, 7u);
+      ASSERT_TRUE(found[i].hit.primID >= 100 && found[i].hit.primID < 106);
+      ASSERT_EQ(found[i].hit.Ng_x, 1);
+      ASSERT_EQ(found[i].hit.u, 0.125f);
+      if (hasThickLeaves) continue; // overlapping boxes: another one may be found first
+      ASSERT_EQ(found[i].hit.primID, expected[i].hit.primID + 100);
+      ASSERT_EQ(found[i].hit.v, expected[i].hit.v);
+    }
+  }
 }
 
 // The filter decides by the position of the hit. Any hit finds an accepted one if there is one.

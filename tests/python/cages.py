@@ -49,7 +49,8 @@ class Cages(unittest.TestCase):
     def test_arrays_of_a_file_give_the_same_cage(self):
         a = self.load(CUBE)
         b = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=a.uv_indices,
-                      crease_edges=a.crease_edges, crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
+                      crease_edges=a.crease_edges, crease_sharpness=a.crease_sharpness,
+                      corner_vertices=a.corner_vertices,
                       corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
         np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
         np.testing.assert_array_equal(a.crease_sharpness, [2.5])
@@ -81,7 +82,8 @@ class Cages(unittest.TestCase):
         edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
         smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})
         cube = self.load(CUBE)
-        cages = [cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags) for tags in (smooth, soft, hard)]
+        cages = [cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags)
+                 for tags in (smooth, soft, hard)]
         tops = [cbvh.build(cage, "grid", 4).bounds[1, 2] for cage in cages]
         self.assertLess(tops[0], tops[1])
         self.assertLess(tops[1], tops[2])

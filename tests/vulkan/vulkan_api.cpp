@@ -429,7 +429,7 @@ TEST_F(VulkanAPI, DeviceReportsGivenHandles)
   RTCVulkanDeviceInfo info;
   rtcGetVulkanDeviceInfo(device.get(), &info);
   EXPECT_EQ(info.name, vulkan->name);
-  EXPECT_STREQ(info.unsupported, "");
+  EXPECT_STREQ(info.unsupportedReason, "");
   EXPECT_NE(std::string(info.driver), "");
   EXPECT_GT(info.memoryBytes, 0u);
 }

@@ -185,7 +185,7 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
   };
   std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
-  for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupported, "1.2 is needed")) << info.name;
+  for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupportedReason, "1.2 is needed")) << info.name;
   for (const std::string& selector : {std::string(), std::string("0"), std::string(infos[0].name)}) {
     EXPECT_FALSE(openOwn(selector.c_str()));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);

@@ -57,7 +57,7 @@ int main(int argc, char** argv)
     const Diced atOpen(0), atClose(1);
     const float* const steps[2] = {atOpen.vertices[0].data(), atClose.vertices[0].data()};
     CbvhGrids grids = CbvhGrids();
-    grids.count = atOpen.grids.size();
+    grids.numGrids = atOpen.grids.size();
     grids.grids = atOpen.grids.data();
     grids.vertices = {atOpen.vertices.size() - 1, sizeof(atOpen.vertices[0]), steps, 2, 0, 1};
     check(cbvhSetSurfaceGrids(surface, &grids));

@@ -59,7 +59,7 @@ public:
     const CbvhGrid grid = {0, unsigned(tile.width), (unsigned short)tile.width, (unsigned short)tile.height};
     const float* const steps[1] = {&tile.vertices[0].x};
     CbvhGrids grids = CbvhGrids();
-    grids.count = 1;
+    grids.numGrids = 1;
     grids.grids = &grid;
     grids.vertices = {tile.vertices.size() - 1, sizeof(Vec3f), steps, 1, 0, 0};
     check(cbvhSetSurfaceGrids(surfaces.back(), &grids));

@@ -153,10 +153,10 @@ void Input::applyGrids(CbvhSurface surface) const
   std::vector<const float*> steps;
   const Packed<CbvhGrid> packed(find(RTC_BUFFER_TYPE_GRID));
   CbvhGrids grids = CbvhGrids();
-  grids.count = packed.count;
+  grids.numGrids = packed.count;
   grids.grids = packed.data;
   grids.vertices = vertices(steps);
-  if (grids.count == 0) throw Unsupported("it has no grids");
+  if (grids.numGrids == 0) throw Unsupported("it has no grids");
   check(cbvhSetSurfaceGrids(surface, &grids));
 }
 
@@ -169,15 +169,15 @@ void Input::applyMesh(CbvhSurface surface) const
   if (type == RTC_GEOMETRY_TYPE_QUAD) {
     quads = Packed<Corners4>(find(RTC_BUFFER_TYPE_INDEX));
     mesh.verticesPerFace = 4;
-    mesh.count = quads.count;
+    mesh.numFaces = quads.count;
     mesh.indices = (const unsigned int*)quads.data;
   } else {
     triangles = Packed<Corners3>(find(RTC_BUFFER_TYPE_INDEX));
     mesh.verticesPerFace = 3;
-    mesh.count = triangles.count;
+    mesh.numFaces = triangles.count;
     mesh.indices = (const unsigned int*)triangles.data;
   }
-  if (mesh.count == 0) throw Unsupported("it has no quads or triangles");
+  if (mesh.numFaces == 0) throw Unsupported("it has no quads or triangles");
   mesh.vertices = vertices(steps);
   check(cbvhSetSurfaceMesh(surface, &mesh));
 }
