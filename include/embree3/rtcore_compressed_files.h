@@ -153,15 +153,15 @@ struct RTCCompressedFileGeometryInfo
 
 /* Returns the description of a geometry in a file, without loading the geometry.
  *
- * file:        open.
- * index:       below rtcGetCompressedFileGeometryCount.
- * description: written during the call, not NULL; structSize is read.
+ * file:  open.
+ * index: below rtcGetCompressedFileGeometryCount.
+ * info:  written during the call, not NULL; structSize is read.
  *
  * Returns true if the description was written.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a wrong structSize. */
 RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile file, unsigned int index,
-    struct RTCCompressedFileGeometryInfo* description);
+    struct RTCCompressedFileGeometryInfo* info);
 
 /* Returns the compression statistics of a geometry in a file, without loading the geometry: the statistics of its last
  * commit before it was saved, but numUnsupportedFaces, inputBytes and cacheBytesPerThread are 0.

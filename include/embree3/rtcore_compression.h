@@ -246,11 +246,11 @@ struct RTCCompressionStatistics
 /* Returns the statistics of the last commit of a scene, which the commit computed. All members are zero if the scene
  * has no compressed geometry.
  *
- * scene: committed. Geometry of instanced scenes is not included.
- * stats: written during the call, not NULL; structSize is read.
+ * scene:      committed. Geometry of instanced scenes is not included.
+ * statistics: written during the call, not NULL; structSize is read.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. RTC_ERROR_INVALID_OPERATION if the scene or
  * one of its geometries was modified since the last commit. Thread safety: as rtcGetSceneBounds. */
-RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* stats);
+RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* statistics);
 
 RTC_NAMESPACE_END

@@ -51,7 +51,7 @@ FUNCTIONS_OF_FIRST_VERSION = frozenset(
     rtcRecordVulkanIntersectInOrder rtcRecordVulkanOccluded rtcRecordVulkanOccludedInOrder
     rtcRecordVulkanRayOrder rtcReleaseVulkanDevice rtcReleaseVulkanScene rtcRetainVulkanDevice
     rtcRetainVulkanScene rtcSetGeometryCompression rtcStartVulkanIntersect
-    rtcStartVulkanOccluded rtcFinishVulkanTrace
+    rtcStartVulkanOccluded
     """.split()
 )
 
