@@ -137,7 +137,7 @@ namespace embree
           }
         }
 
-        /*! Decodes the two steps of every second segment, as traversal does. */
+        /*! Decodes both steps of every second segment and of the last one, with traversal's decoder. */
         void decodeGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)

@@ -74,7 +74,7 @@ namespace embree
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
         // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece, and loses the
-        // remainder if the next piece does not fit. Up to 16 MiB, each piece therefore gets its own allocation.
+        // remainder if the next piece does not fit. Most pieces of a mesh up to 16 MiB get their own allocation.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);

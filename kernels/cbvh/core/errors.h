@@ -4,7 +4,7 @@
 #pragma once
 
 /* Functions of this folder throw Embree's rtcore_error or std::bad_alloc. rtc functions catch them with RTC_CATCH_END,
- * interfaces without Embree's headers with caughtError(). */
+ * interfaces without Embree's internal headers with caughtError(). */
 
 #include "../../../include/embree3/rtcore.h"
 #include <string>
@@ -22,7 +22,7 @@ namespace embree
     /*! Call it in a catch block. Other exceptions become RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
-    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code that must not include Embree's headers. */
+    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. */
     [[noreturn]] void throwInvalidArgument (const std::string& text);
   }
 }

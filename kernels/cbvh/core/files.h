@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compressed geometries in files (docs/formats/file.md). Contracts are those of
- * include/embree3/rtcore_compressed_files.h, with exceptions as errors. A file is mapped: rays can be traced
+/* Compressed geometries in files (docs/formats/file.md), with the contracts of
+ * include/embree3/rtcore_compressed_files.h, but exceptions as errors. A file is mapped: rays can be traced
  * immediately, blocks that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced
  * or removed, but must not be written or truncated. */
 
@@ -90,12 +90,13 @@ namespace embree
       /*! Reads neither tree nor blocks. Errors: RTC_ERROR_INVALID_ARGUMENT if index is not below size(). */
       CompressedFileGeometryInfo geometryInfo (size_t index) const;
 
-      /*! Errors: as geometryInfo. */
+      /*! As rtcGetCompressedFileGeometryStatistics: members that files do not store are 0. */
       cbvh::CompressionStatistics statistics (size_t index) const;
 
       /*! As rtcLoadCompressedGeometry: returns a new, committed geometry with one reference, which the caller must
-       *  release. If an index is loaded twice, the second geometry has private copies of the blocks that rays reach.
-       *  Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree is damaged; std::bad_alloc. */
+       *  release. If another surface has its surface number, as when an index is loaded twice, it has private copies of
+       *  the blocks that rays reach. Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree or a moving block
+       *  is damaged, or if this library does not support its blocks; std::bad_alloc. */
       Geometry* load (size_t index) const;
 
       /*! Reads the whole file. Errors: RTC_ERROR_INVALID_ARGUMENT, naming the damaged checksum, tree or block. */

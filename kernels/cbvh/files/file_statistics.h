@@ -13,7 +13,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls closure(member) for each integer, in the order of FileGeometry::counts, which must not change. */
+    /*! Calls closure(member) for each integer that files store, in the order of FileGeometry::counts, which must not
+     *  change. */
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {

@@ -24,7 +24,7 @@ namespace embree
     namespace
     {
       /*! Copy-on-write mapping of a part of a file. The mapping begins `offsetInPage` bytes before the part. This is 0
-       *  unless the machine's pages are larger than the file's, as on ARM64. */
+       *  unless the machine's pages are larger than the file's, as on some ARM64 machines. */
       struct PrivatePages
       {
         const size_t offsetInPage;

@@ -17,8 +17,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! All MappedBlocks of the process, to find the owner of a block by its address. Threads have copies of the sorted
-     *  list, so that rays need no lock. */
+    /*! All MappedBlocks of the process, to find the owner of a block by its address. Threads hold references
+     *  to a sorted list, which does not change, so that rays need no lock. */
     class MappedBlockRegistry
     {
       /*! Copies members of MappedBlocks, because other threads may delete those of geometries that the calling thread
@@ -62,7 +62,7 @@ namespace embree
       }
 
     private:
-      /*! A thread's copy. It may be outdated, but contains all geometries that the thread is tracing. */
+      /*! The list that a thread uses. It may be outdated, but contains all geometries that the thread is tracing. */
       struct ThreadCopy
       {
         uint64_t generation = 0;
@@ -82,7 +82,7 @@ namespace embree
       {
         struct Owner { ~Owner () { delete threadCopy; threadCopy = nullptr; } };
         if (!threadCopy) {
-          static thread_local Owner owner; // frees the cache at the thread's end
+          static thread_local Owner owner; // frees it at the thread's end
           (void)owner;
           threadCopy = new ThreadCopy;
         }

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Blocks of a geometry in a mapped file. A block is checked before its first use (base/block_validity.h), so that
- * unused blocks are never read from disk. Decoders and traversal access no memory outside of a valid block, and its
- * hits report existing primitives. */
+ * unused blocks are never read from disk. Decoders and traversal access only a valid block and fileReadPadding bytes
+ * after it, and its hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec_names.h"
@@ -37,7 +37,8 @@ namespace embree
       /*! Returns the first error in a block. offset: from the first block, in bytes. */
       cvert::Reason validate (size_t offset, BlockFormat format) const;
 
-      /*! True if a block may be decoded. Reports the first damaged block to the device. */
+      /*! True if a block, at an address within the mapped blocks, may be decoded. Reports the first damaged block to the
+       *  device. */
       bool isValid (const void* block, BlockFormat format) const
       {
         const size_t offset = size_t((const char*)block-begin);
@@ -45,7 +46,7 @@ namespace embree
           || check(offset,format);
       }
 
-      /*! Writes the surface number into a block, unless the block has it already. Thread-safe. */
+      /*! Replaces the record's surface number in a valid block. Leaves other numbers. Thread-safe. */
       void setSurfaceNumber (size_t offset, BlockFormat format) const;
 
       const char* first () const { return begin; }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Validates blocks with frames (framed/block.h). cvert/decoder/validate.h validates all others. */
+/* Validates blocks with frames (framed/block.h). validate.h and validate_mesh.h of
+ * cvert/decoder validate others. */
 
 #include "../framed/block.h"
 #include "../base/codec_names.h"
