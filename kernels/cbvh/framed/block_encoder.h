@@ -39,7 +39,8 @@ namespace embree
 
       /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block:
        *  blockLayout(kind,height).bytes bytes, aligned to 16 bytes. x, y: position in the patch, in blocks. sharpSides:
-       *  mask of the block's sides where the surface ends or bends (sharpSidesOf()), for statistics. */
+       *  mask of the block's sides (surface/source.h) where the surface ends or bends (sharpSidesOf()), for statistics.
+       *  Sets statistics.affine, and adds to the other members. */
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);

@@ -5,8 +5,7 @@
 
 /* Input of a block's encoders: its vertices in world space and in its frame, and exact bounds of all nodes.
  *
- * A cell is the surface below a node of the finest level: a quad, or a quarter of the only quad of a cLEAF block, whose
- * groups have four leaves. */
+ * A cell is a quad, or a quarter of the only quad of a cLEAF block, whose groups have four leaves. */
 
 #include "leaf/format.h"
 #include "frame_fit.h"
@@ -33,9 +32,9 @@ namespace embree
       const float (*const vertices)[3]; //!< world positions
       Frame frame;
       InverseFrame inverse;
-      float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
+      float lower[4], upper[4];   //!< bounds of the finite vertices, in world space; set by fit()
       double maxAbsCoordinate = 0; //!< of the finite vertices; set by computeBounds()
-      double rounding[4];         //!< per axis: largest distance between two faces' evaluations of a vertex
+      double rounding[4];         //!< per axis of the frame: largest distance of two faces' evaluations of a vertex
       ExactBox* boxes;            //!< of all quadtree levels down to cells; set by computeBounds()
       double (*local)[4];         //!< vertices of cells in the frame, row by row; set by fit()
       uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite; set by computeBounds()
@@ -104,7 +103,7 @@ namespace embree
         return 2*numSmall > numValid;
       }
 
-      /*! Sets `boxes`, `inverse`, `rounding` and `invalidQuads`. Requires fit(). */
+      /*! Sets `boxes`, `inverse`, `maxAbsCoordinate`, `rounding` and `invalidQuads`. Requires fit(). */
       void computeBounds()
       {
         inverse = InverseFrame(frameMap(frame.columns));

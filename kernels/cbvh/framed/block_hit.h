@@ -22,7 +22,7 @@ namespace embree
         Real s;                    //!< parameter along the segment, see local_ray.h
         Real u, v;                 //!< position in the leaf's box, 0 to 1
         Real slopeX, slopeY;       //!< slopes of the surface, dz/dx and dz/dy
-        Bool fromAbove, fromBelow; //!< side from which the ray comes; none is set if unknown
+        Bool fromAbove, fromBelow; //!< remembered side (HitResult::from); none is set if the hit does not depend on it
       };
 
       /*! The part of a ray in a block's box. */

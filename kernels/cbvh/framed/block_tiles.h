@@ -98,7 +98,7 @@ namespace embree
         }
 
         /*! Prefetches a block that was not visited recently: nothing hides the latency of its accesses, which depend on
-         *  each other. Times 3: cLEAF's heights have at most twice the bytes before them. */
+         *  each other. Times 3: heights of cLEAF need at most twice as many bytes as header and nodes. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));

@@ -103,7 +103,7 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile with a decoded grandchild. Rays of a filter function may have evicted it. */
+        /*! Returns the tile with a decoded grandchild. Other tiles, or a filter function's rays, may have evicted it. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.isDecoded(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
@@ -131,7 +131,8 @@ namespace embree
           }
         }
 
-        /*! True if the ray passes over the grandchild or its parent, which it misses. */
+        /*! True if the ray passes over, not under, the node that it misses: the grandchild's parent, or else the
+         *  grandchild. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.passesParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)

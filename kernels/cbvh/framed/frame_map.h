@@ -25,7 +25,7 @@ namespace embree
       friend LinearForm operator*(double s, const LinearForm& a) { return {s*a.n, s*a.d}; }
     };
 
-    /*! A map to homogeneous coordinates: x = X/W, y = Y/W, z = Z/W. projective: false if W is constant. */
+    /*! A map to homogeneous coordinates: x = X/W, y = Y/W, z = Z/W. projective: false only if W is constant. */
     struct FrameMap
     {
       LinearForm X, Y, Z, W;
@@ -69,7 +69,8 @@ namespace embree
       }
     };
 
-    /*! Solves X = x W, Y = y W, Z = z W for the world point p. Returns false if no finite p exists. */
+    /*! Solves X = x W, Y = y W, Z = z W for p, relative to the origin of m. Returns false if no unique, finite p
+     *  exists. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
       const LinearForm a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;

@@ -50,7 +50,9 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool hit;
-  Real k;   //!< first position in the lip; if !hit, first position near the side
+  /*! If hit: of the entry into the lip's width, the exit from it and the vertex of f, the first that is in the lip, or
+   *  the entry if none is. */
+  Real k;
 };
 
 /*! p0, p1: distance of the ray from the side at entry and exit, in fractions of the box. Within the lip's width, f has

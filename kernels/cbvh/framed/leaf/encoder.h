@@ -46,7 +46,7 @@ namespace embree
           borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
           for (int quad=0; quad<4; quad++)
           {
-            /* good leaves only count; the others, in which a limit or the maximum may be exceeded, are measured */
+            /* good leaves are only counted; the others, which may exceed a limit or the maximum, are measured */
             const uint32_t goodLeaves = lattices.encoded & leaves.goodLeaves(quad,statistics.maxThickness);
             for (uint32_t c=0; c<4; c++) statistics.leafFit.quads += goodLeaves >> c & 1;
             for (uint32_t rest = lattices.encoded & ~goodLeaves; rest; rest &= rest-1) {
