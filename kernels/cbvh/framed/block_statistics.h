@@ -15,7 +15,7 @@ namespace embree
     {
       uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
-      bool affine = false;         //!< of the frame
+      bool affine = false;         //!< of the last block's frame
       float maxThickness = 0;      //!< largest thickness, in world space
       LeafFit leafFit;
 

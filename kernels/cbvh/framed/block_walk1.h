@@ -103,7 +103,7 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile with a decoded grandchild. Other tiles, or a filter function's rays, may have evicted it. */
+        /*! Returns the tile with a decoded grandchild. Other tiles or a filter function's rays may have evicted it. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.isDecoded(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));

@@ -14,8 +14,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns (u,v), clamped to 0 to 1, at s[0] in lanes 0 and 1, at s[2] in lanes 2 and 3. s[1] is s[0], s[3] is
-       *  s[2]. */
+      /*! Returns (u,v), clamped to 0 to 1, at s[0] in lanes 0 and 1, at s[2] in lanes 2 and 3. Requires
+       *  s[1] = s[0] and s[3] = s[2]. */
       __forceinline vfloat4 positionInLeaf (const NodeRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {
