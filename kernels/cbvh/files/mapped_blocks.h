@@ -37,7 +37,7 @@ namespace embree
       /*! Returns the first error in a block. offset: from the first block, in bytes. */
       cvert::Reason validate (size_t offset, BlockFormat format) const;
 
-      /*! True if a block may be decoded. Reports the first damaged block to the device. block: one of the mapped. */
+      /*! True if a block of this object may be decoded. Reports the first damaged one to the device. */
       bool isValid (const void* block, BlockFormat format) const
       {
         const size_t offset = size_t((const char*)block-begin);
