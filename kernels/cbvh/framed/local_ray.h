@@ -32,7 +32,7 @@ CVERT_CONSTANT float unitUlps = 8.0f;
  *  ulps there are less than distanceUlps of this distance. */
 CVERT_CONSTANT float relativeBoxRadius = 0.75f;
 
-/*! Greater than any ray parameter. */
+/*! Represents infinity in ranges of parameters. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
 CVERT_REAL struct Range

@@ -11,7 +11,7 @@
 
 CBVH_BEGIN
 
-/*! Moves the lower 8 bits to the even bits. */
+/*! Moves 8 bits to the even bits. x: below 256. */
 CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
 {
   x = (x | (x << 4)) & 0x0F0Fu;

@@ -89,7 +89,8 @@ namespace embree
         uint32_t passed; //!< boxes that the segment overlaps in x and y, but misses
       };
 
-      /*! Tests the first `number` boxes against the segment up to sBest. Sets `ranges`. */
+      /*! Tests the first `number` boxes against the segment up to sBest. Sets their `ranges`. number: a multiple of
+       *  the lanes. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks intersectBoxes (const NodeRay& ray, const NodePlanes<N>& c, float sBest,
         BoxRanges<N>& ranges,

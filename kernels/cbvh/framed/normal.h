@@ -31,7 +31,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
 }
 
 /*! Squared sine of 30 degrees. At a step behind a silhouette, the surface can face away from the ray. A normal that
- *  faces away by less than this angle is mirrored across the ray. */
+ *  faces away by less than this angle is mirrored at the plane orthogonal to the ray. */
 CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
 /*! along: dot product of normal and direction. normal2, direction2: their squared lengths. from: HitResult::from of

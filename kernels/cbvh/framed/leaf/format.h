@@ -68,7 +68,7 @@ CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! Distance of an outer plane from the parent's, in parent extents: up to a third, for quads that do not fill their
+/*! Distance of an outer plane from the parent's, in parent extents: up to 0.36, for quads that do not fill their
  *  parent. Steps grow with the code, from 1/256; small distances compensate for rounding of the parent. */
 CVERT_FUNCTION float latticeOuterOffset (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 

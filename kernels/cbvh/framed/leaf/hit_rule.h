@@ -17,8 +17,8 @@
  * through the step between them, a ray remembers on which side it left the last leaf, or passed the last box. It hits
  *
  * - at the entry of a leaf, if it enters on the other side;
- * - where it left a leaf, within half a thickness of it, if it then passes over (under) the next boxes, although it was
- *   under (over) that leaf;
+ * - where it left a leaf that it came within half a thickness of, if it then passes over (under) the next boxes,
+ *   although it was under (over) that leaf;
  * - in a lip at the block's border, where the neighbor is in another block, which does not know the remembered side.
  *
  *      surface of A  ____           The encoder keeps both surfaces above their shared
@@ -37,15 +37,15 @@
  * change of sign is a hit even if the ray enters and leaves on the same side, as where the box ends but its patch does
  * not.
  *
- * A ray that starts within half a thickness of a leaf's surface does not hit a step if it leaves the step's leaf on the
- * remembered side: the surface must not shadow its own points. A segment that starts (ends) in a leaf, at tnear (tfar),
- * hits the leaf only if f changes sign.
+ * A ray that starts within half a thickness of a leaf's surface does not hit steps and changes of sign in other leaves
+ * that it leaves on the remembered side: the surface must not shadow its own points. A segment that starts in a leaf, at
+ * tnear, does not hit its steps, lips or solid box; a segment that ends in a leaf, at tfar, does not hit its lips.
  *
  * In the paper, rays hit the near side of intervals. This also closes the steps, but thickens the surface: rays along a
  * crest hit what they should pass, hits are early by half a bin, and rays that start on the surface hit it again.
  *
  * If a surface folds over, leaves overlap and are not visited in their order along the ray. A walk for the closest hit
- * therefore continues after a hit, and accepts nearer changes of sign.
+ * therefore continues after a hit, and accepts nearer changes of sign and solid boxes.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4. */

@@ -59,7 +59,7 @@ namespace embree
         double maxMagnitude() const { return std::max(-lower,upper); }
       };
 
-      /*! Range of the deviation along the straight edge from a to b: the surface's height above the edge, negative if
+      /*! Bounds of the deviation along the straight edge from a to b: the surface's height above the edge, negative if
        *  the surface is below. Between planes, it is a parabola, which differs from its chord by at most a quarter of
        *  its quadratic term. */
       Range deviationRange(const double a[3], const double b[3]) const
@@ -145,7 +145,8 @@ namespace embree
 
     /*! Fits the heights so that the surface passes through the vertices. Each iteration moves each vertex's own height
      *  by the distance of the surface from the vertex. This converges if that height has the largest weight at the
-     *  vertex; otherwise the deviation stays large, and the caller rejects the lattice. */
+     *  vertex; otherwise the deviation stays large, and the caller rejects the lattice. tolerance: largest
+     *  remaining distance in z at which the fit ends. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position position[9];
@@ -177,7 +178,7 @@ namespace embree
         heights[v] = !(q > 0) ? 0 : q < latticeBins-1 ? int(q) : latticeBins-1;
         surface.z[v] = heightInBins(bins,float(heights[v]));
       }
-      /*! Raises a height by at least `below`, in whole bins. */
+      /*! Raises a height by `below`, rounded up to whole bins, and clamps it. */
       void raise(int v, double below) {
         if (below > 0) set(v,heights[v]+std::ceil(below/bins.size));
       }
@@ -207,7 +208,8 @@ namespace embree
       }
     }
 
-    /*! Smallest code of a thickness that bounds the distances of all edges from the surface, or 4 if none does. */
+    /*! Smallest code of a thickness, half of which exceeds the distances of all edges from the surface by `slack`, or 4
+     *  if there is none. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };

@@ -29,7 +29,8 @@ namespace embree
         }
       }
 
-      /*! Mask of lanes whose leaf c certainly does not count as poor (LeafFit), and is thinner than maxThickness. */
+      /*! Mask of lanes whose leaf c certainly does not count as poor (LeafFit), and is thinner than maxThickness in
+       *  world space. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childCoordinate(c,0), row = childCoordinate(c,1), v = column+3*row;

@@ -219,7 +219,7 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! Returns the rays of `lanes` that hit no lip. Sets s of the others. */
+        /*! Returns the rays of `lanes` that hit no lip. Sets s of all rays in `lanes`. */
         __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float halfThickness,
                                              uint32_t leaf, vfloat<K>& s) const
         {
