@@ -6,7 +6,7 @@
 /* State of geometries that can be compressed, in addition to Embree's. The commit of a geometry changes the type of
  * compressed moving cages, grids and meshes to GTY_COMPRESSED, which Embree's kernels ignore. Static cages keep their
  * type: if a scene compresses one of them, its compressed tree contains all of them. The commit of a scene builds the
- * blocks. */
+ * blocks, unless endCommit() has. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -27,9 +27,9 @@ namespace embree
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until needed
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built; a commit resets outdated ones
-    std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built
+    std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built; atomic
     bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
-    const char* rejectionReason = nullptr;             //!< why a requested compression was not done; may be empty
+    const char* rejectionReason = nullptr;             //!< why a requested compression was not done, "" or null
 
     /*! Records a change of the mask, a filter or the enabled state, after which blocks remain valid. counted: 1 if
      *  Embree increments the geometry's modCounter_ for it, otherwise 0. */
@@ -127,7 +127,8 @@ namespace embree
   void* requireBuffer (Geometry* geometry, void* data);
 
   /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if Embree
-   *  must read its buffers again. Throws rtcore_error if buffers are invalid, or were released and not set again. */
+   *  must read its buffers again. Throws rtcore_error if buffers are invalid, or were released and not set again, or if
+   *  endCommit() is building blocks of the geometry. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
   bool beginCommit (QuadMesh* mesh);

@@ -29,19 +29,20 @@ namespace embree
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error, with key and value,
-     *  for invalid values. Keeps unknown keys for finishParsing(). */
+     *  for invalid values, and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
      *  more exact than cLEAF. cVOXEL may be smaller, but its boxes cannot be shaded. */
     static const RTCCompression preferredCompression = RTC_COMPRESSION_CVERT;
 
-    /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
+    /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. Call this before parse(), whose
+     *  settings take precedence. */
     void parseEnvironment ();
 
     /*! Call this after parse() received the entire device string. Sets `compression` to what subdiv_accel selects;
-     *  "default" has no effect. Throws rtcore_error for unknown "cbvh." kinds and unknown keys. verbose: prints version
-     *  and settings. */
+     *  "default" has no effect. Throws rtcore_error for unknown "cbvh" kinds, and for unknown keys if subdiv_accel, or
+     *  the value of the key, requests compression. verbose: prints the version and the compression. */
     void finishParsing (const std::string& subdivAccel, bool verbose);
 
     /*! Returns the effective settings of a geometry: no member is inherited. */

@@ -32,7 +32,7 @@ namespace embree
     };
     enum { numClusterReasons = 4 };
 
-    /*! Up to 8 x 8 quads: at most 81 vertices and 128 triangles, or 64 of both for DGF. */
+    /*! Up to 8 x 8 quads, with 81 vertices and 128 triangles. For DGF up to 32 quads, with 64 of both. */
     struct StoredCluster
     {
       ClusterFormat format;        //!< the requested one, or FLOAT3

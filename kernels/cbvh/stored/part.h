@@ -19,7 +19,8 @@ namespace embree
       float u[3], v[3];
     };
 
-    /*! The quads of a block: up to 16 x 16 of cVERT, up to 256 x 256 of cGRID. Neighboring parts, in cGRID only of one
+    /*! The quads of a block: up to 16 x 16 of cVERT, up to 256 x 256 of cGRID. Of a mesh block, one quad or triangle; a
+     *  quad of one triangle repeats a vertex. Neighboring parts, in cGRID only of one
      *  face, store shared vertices as the same floats. */
     struct StoredPart
     {

@@ -14,7 +14,7 @@ namespace embree
   /*! Results of a build other than its BVH. */
   struct CompressionReport
   {
-    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces with parts in the BVH
+    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces whose blocks are in the BVH
     cbvh::CompressionStatistics statistics;
     std::vector<std::string> errors; //!< errors that did not stop the build
     MutexSys mutex;                  //!< protects errors, which any thread that joins a commit may read

@@ -92,7 +92,8 @@ namespace embree
         }
 
         /*! Tiles a rectangle with blocks of DGF. shouldContinue: set to the result of the last closure. Returns false,
-         *  without calling the closure, if a quad does not fit into a block of DGF. */
+         *  without calling the closure, if the rectangle has more than 16 quads on a side, its vertices fit no lattice,
+         *  or a quad does not fit into a block of DGF. */
         bool tileWithDgf (const QuadRectangle& rect, bool& shouldContinue)
         {
           if (rect.width >= LatticePoints::maxSide || rect.height >= LatticePoints::maxSide
@@ -107,7 +108,7 @@ namespace embree
           return true;
         }
 
-        /*! Emits a piece of a rectangle. rect: contains the piece; `points` has its vertices. */
+        /*! Emits a piece of `rect`, whose vertices are in `points`. */
         bool emitDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);

@@ -53,7 +53,7 @@ namespace embree
     class BlockIndex
     {
     public:
-      /*! Throws if a block is not cVERT, cGRID or a mesh block. */
+      /*! Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! See core/stored_surface.h. */
@@ -71,8 +71,9 @@ namespace embree
       void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) until it returns false. The triangles of a quad in different mesh blocks are parts of
-     *  their own, as are triangles without a partner. Throws if a block is not cVERT, cGRID or a mesh block. */
+    /*! Calls closure(block, part) for all parts that exist at the time, until it returns false. A part is valid during
+     *  its call. The triangles of a quad in different mesh blocks are parts of their own, as are triangles without a
+     *  partner. Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

@@ -16,7 +16,7 @@ namespace embree
     namespace
     {
       MutexSys mutex;                    //!< protects the following, and SurfaceState::number and blocks
-      /*! Numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
+      /*! Unused numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;

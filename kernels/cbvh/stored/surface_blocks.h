@@ -35,16 +35,17 @@ namespace embree
     mvector<PrimRef> parts;
     /*! BVH4::NodeRefs of the blocks of a moving surface, over which scenes build their trees. It has no parts. */
     mvector<size_t> moving;
-    /*! Boxes of moving blocks at their steps, block by block. Null after the first build; later users decode the
-     *  blocks. Use atomic_load and atomic_store, because scenes may be built concurrently. */
+    /*! Boxes of moving blocks at their steps, block by block. Null once a scene has built its tree, and for surfaces of
+     *  files: scenes then decode the blocks. Use atomic_load and atomic_store, because scenes may be built
+     *  concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
-    BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
+    BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; emptyNode if there is none
     BBox3fa bounds;           //!< bounds of everything that rays can hit
     size_t numPrimRefs;       //!< number of blocks and grids
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! Returns the index for core::findTriangle(), which the first call builds. Thread-safe. */
+    /*! Returns the index for core::findTriangle(), which the first call builds. Thread-safe. Throws as BlockIndex(). */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -53,7 +54,7 @@ namespace embree
 
   namespace cbvh
   {
-    /*! True if one of a scene's moving, or static, surfaces is compressed. */
+    /*! True if one of a scene's enabled moving, or static, surfaces is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
     /*! Sets scene->surfaceIDs, which maps surface numbers to geometry IDs. Thread-safe. */

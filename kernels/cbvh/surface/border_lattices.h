@@ -13,13 +13,13 @@
  *   double spacingPerEdge ()
  *       Argument of LatticeChoice.
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
- *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
+ *       Extends bounds by points of the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
  *       Adds the borders and middles of the primitive's patches. Returns false if it has no vertices at that step.
  *       Called once per primitive and step, in the order of steps, so that it may store vertices for later.
  *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
- *       Calls closure for each element that the primitive may share with others. An element is the number of vertices
- *       with one lattice: a corner, the interior of an edge, or one vertex. */
+ *       Calls closure for each element that the primitive may share with others. An element is the index of a corner,
+ *       of the interior of an edge, or of a vertex. Its vertices have one lattice. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -51,7 +51,7 @@ namespace embree
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! Returns the exponent of the lattice's spacing. diagonal: of the geometry's bounds. */
+      /*! Returns the exponent of the lattice's spacing, or losslessExponent. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::losslessExponent;
@@ -140,8 +140,8 @@ namespace embree
           warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
-      /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives. Elements
-       *  without a primitive get the finest lattice of all. */
+      /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives, or none
+       *  if GRID traces one of these. Elements without a primitive get the finest lattice of all. */
       template<typename Topology, typename Progress>
       void chooseForShared (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {

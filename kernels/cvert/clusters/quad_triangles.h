@@ -32,8 +32,8 @@ namespace cvert
                                                 //!< second triangle of a quad
     bool isComplete;                            //!< has all vertices and triangles of the rectangle
 
-    /*! points: x, y and z of the part's vertices, `stride` per row; not read later. rectangle: at most maxQuadsPerSide
-     *  wide and high. isStrip: alternates the direction of rows, so that a triangle shares an edge with one of the two
+    /*! points: x, y and z of the part's vertices, `stride` per row; not read later. rectangle: has at most maxVertices
+     *  vertices. isStrip: alternates the direction of rows, so that a triangle shares an edge with one of the two
      *  triangles before it, unless one of these is omitted. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& rectangle, bool isStrip)
       : numVertices(0), numTriangles(0), points(points + 3*(size_t(rectangle.y)*stride + rectangle.x)), stride(stride),
