@@ -70,8 +70,9 @@ namespace embree
       double medianEdge () const { return lowerMedian; }
 
     private:
-      /*! Returns the spacing that max_error or maxPixelError requests, or the default. maxPixelError applies at the
-       *  distance from the camera to the samples' bounding box, enlarged by a quarter per side for other vertices. */
+      /*! Returns the smaller spacing that max_error and maxPixelError request, or the default. maxPixelError
+       *  applies at the distance from the camera to the samples' bounding box, enlarged by a quarter per side for other
+       *  vertices. */
       double requestedSpacing (const CompressionPlan& plan, double defaultSpacing) const
       {
         const CompressionSettings& settings = plan.settings;
