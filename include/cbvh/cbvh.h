@@ -675,10 +675,10 @@ enum CbvhClusterReason
   CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                         * belong to a moving mesh block */
   CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
-                                        * spacings wide, or the spacing is below 2^-126 or above 2^105 */
+                                        * spacings wide, or the spacing is below 2^-126 */
 };
 
-/* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. */
+/* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; for DGF up to 32 quads with 64 of both. */
 struct CbvhCluster
 {
   enum CbvhClusterFormat format; /* of data: the requested format, or CBVH_CLUSTER_FORMAT_FLOAT3 */
