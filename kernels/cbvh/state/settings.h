@@ -29,7 +29,7 @@ namespace embree
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error, with key and value,
-     *  for invalid values, and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
+     *  for invalid values and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and

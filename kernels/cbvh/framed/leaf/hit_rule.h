@@ -38,8 +38,8 @@
  * not.
  *
  * A ray that starts within half a thickness of a leaf's surface does not hit steps and changes of sign in other leaves
- * that it leaves on the remembered side: the surface must not shadow its own points. A segment that starts in a leaf, at
- * tnear, does not hit its steps, lips or solid box; a segment that ends in a leaf, at tfar, does not hit its lips.
+ * that it leaves on the remembered side: the surface must not shadow its own points. A segment that starts in a leaf,
+ * at tnear, does not hit its steps, lips or solid box. A segment that ends in a leaf, at tfar, does not hit its lips.
  *
  * In the paper, rays hit the near side of intervals. This also closes the steps, but thickens the surface: rays along a
  * crest hit what they should pass, hits are early by half a bin, and rays that start on the surface hit it again.

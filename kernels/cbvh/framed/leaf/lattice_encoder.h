@@ -208,8 +208,8 @@ namespace embree
       }
     }
 
-    /*! Smallest code of a thickness, half of which exceeds the distances of all edges from the surface by `slack`, or 4
-     *  if there is none. */
+    /*! Smallest code whose half thickness exceeds the distances of all edges from the surface by `slack`, or 4 if there
+     *  is none. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };
