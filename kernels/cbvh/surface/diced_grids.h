@@ -11,7 +11,7 @@
  *   size_t size () const
  *       Number of grids.
  *   bool isValid (size_t i) const
- *       True if grid i has quads and all its vertices are in their buffer. Other members require a valid grid.
+ *       True if grid i has quads and all its vertices are in their buffer. operator[] and getNumbers() require that.
  *   Grid operator[] (size_t i) const
  *       The vertices of a grid, by number.
  *   const float* position (size_t vertex, unsigned step) const
@@ -23,7 +23,7 @@
  *   static double spacingPerEdge ()
  *       Default spacing of lattices, as a fraction of the median edge.
  *   bool isError (size_t i) const
- *       True if a commit reports grid i as an error: its vertices are outside of their buffer.
+ *       True if a commit reports grid i as an error: it or its vertices are outside of their buffer.
  *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device)
  *       Estimated bytes that Embree's own representation of a grid needs, with all time steps. */
 

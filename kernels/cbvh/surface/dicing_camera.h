@@ -14,7 +14,7 @@ namespace embree
     float position[3] = { 0,0,0 };
     float direction[3] = { 0,0,1 };    //!< towards the picture's center; any length
     float up[3] = { 0,1,0 };           //!< up in the picture; any length, not parallel to direction
-    bool orthographic = false;         //!< the picture does not depend on `position`
+    bool orthographic = false;         //!< sizes in the picture are independent of the distance
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
     /*! Size of the picture in pixels. 0: all points count as inside of the picture; direction and up are ignored. */
@@ -28,7 +28,7 @@ namespace embree
     const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only
   };
 
-  /*! args: struct of a public interface with members of the same names. */
+  /*! args: struct of a public interface with members of the same names. The result refers to its arrays. */
   template<typename Arguments>
   DicingCamera dicingCamera (const Arguments& args)
   {

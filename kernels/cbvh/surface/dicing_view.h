@@ -20,7 +20,7 @@ namespace embree
   class DicingView
   {
   public:
-    /*! camera: must be valid. */
+    /*! camera: checked by validate() in core/dicing.cpp. Not used afterwards. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
           pixelSize(double(camera.pixelSize)*camera.quadSize), outsideFactor(camera.outsideFactor),
@@ -76,7 +76,8 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
-     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). */
+     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). For
+     *  orthographic cameras up to 1.7 times the picture's longer side off it. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
@@ -92,7 +93,7 @@ namespace embree
 
     Double3 eye;
     bool orthographic;
-    double pixelSize, outsideFactor;
+    double pixelSize, outsideFactor; //!< pixelSize: requested size of a quad at distance 1
     bool hasPicture;
     double transform[12];
     double size = 0.0;    //!< half of the picture's longer side, in world units at distance 1

@@ -96,8 +96,8 @@ namespace embree
         return true;
       }
 
-      /*! For StitchedVertices: calls closure with the entries of both ends for each edge on the border. Skips edges of
-       *  length 0. */
+      /*! For StitchedVertices: calls closure with the entries of both ends for each edge on the border. Skips edges
+       *  whose ends are equal or not finite. */
       template<typename Closure>
       void forEachBorderEdge (size_t i, const Closure& closure) const
       {

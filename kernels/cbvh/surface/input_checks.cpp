@@ -65,7 +65,7 @@ namespace embree
 
   void checkStrides (const GridMesh* mesh)
   {
-    const size_t large = size_t(1) << 24; // number of quads
+    const size_t large = size_t(1) << 24; // number of vertices
     for (size_t i=0; i<mesh->grids.size(); i++)
       if (mesh->grid(i).lineVtxOffset == 0 && size_t(mesh->grid(i).resX)*mesh->grid(i).resY > large)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of "

@@ -4,7 +4,7 @@
 #pragma once
 
 /* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Their vertices
- * are on one lattice per time step, or on finer ones if it would flip triangles. These exceptions are found before any
+ * are on one lattice, or on finer ones if it would flip triangles. These exceptions are found per time step, before any
  * block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
@@ -21,7 +21,7 @@ namespace embree
   namespace isa
   {
     /*! The triangles of a mesh, by number. Triangle i of a triangle mesh is primitive i. Triangles 2 i and 2 i + 1 of a
-     *  quad mesh are the halves of quad i, split as in Embree. */
+     *  quad mesh are the halves of quad i, split as in Embree. The mesh must outlive the object. */
     class TrianglesOfMesh
     {
     public:
@@ -44,8 +44,8 @@ namespace embree
         return (primitive << (trianglesPerPrimitive-1)) + i;
       }
 
-      /*! Sets pointers to the corners at the first step, in the application's order. Returns false if Embree skips the
-       *  primitive: an index is out of range, or a vertex is not finite at a step. */
+      /*! Sets pointers to the corners at the first step, in the order of the triangle or of Embree's half of the quad.
+       *  Returns false if Embree skips the primitive: an index is out of range, or a vertex is not finite at a step. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned vertices[3];
@@ -155,8 +155,8 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets out to the stored corners of a triangle; corners on the border of a grid are the grid's. Returns the
-       *  squared distance that the farthest corner moved. */
+      /*! For meshes with one time step. Sets out to the stored corners of a triangle; corners on the border of a grid
+       *  are the grid's. Returns the squared distance that the farthest corner moved. */
       double snapCorners (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -173,7 +173,7 @@ namespace embree
         return maxSquare;
       }
 
-      /*! For moving meshes. Sets the corners' IDs: equal for vertices that are equal at all steps. */
+      /*! For moving meshes. Sets the corners' IDs: for each, the lowest vertex that is equal to it at all steps. */
       void cornerIDs (uint32_t triangle, uint32_t out[3]) const
       {
         const float* p[3];
@@ -193,7 +193,7 @@ namespace embree
         return square;
       }
 
-      /*! True if no ray can hit the triangle, because it has no area. */
+      /*! True if no ray can hit the triangle of a mesh with one time step, because it has no area. */
       bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];

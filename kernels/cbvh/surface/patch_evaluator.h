@@ -52,7 +52,7 @@ namespace embree
         PatchPart part;
       };
 
-      /*! Array i of `arrays`, aligned to 64 bytes for full-width loads. */
+      /*! Array i of `arrays`, aligned for full-width loads. */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
@@ -159,7 +159,7 @@ namespace embree
         memcpy(all,evaluator.displaced(),size_t(quads[0]+1)*size_t(quads[1]+1)*sizeof(*all));
       }
 
-      /*! Row `at`, or column `at` if not alongU. Valid until the next call. */
+      /*! Row `at`, or column `at` if not alongU. Valid until the next call or other use of the evaluator. */
       Line operator() (bool alongU, unsigned at)
       {
         if (!all) {

@@ -25,7 +25,7 @@ namespace embree
     }
 
     /*! True if Embree cannot evaluate the surface where an edge begins: a face there has fewer than 3 or more than 16
-     *  corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
+     *  corners, or the vertex has more than 64 faces (63 at a border) or more neighbors than a ring stores. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
       size_t faceValence = 0, edgeValence = 0;
@@ -54,7 +54,7 @@ namespace embree
       return false;
     }
 
-    /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes. */
+    /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes and faces without corners. */
     inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;

@@ -36,7 +36,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Finds the neighbors of all quads. Returns false, without neighbors, if few quads of a sample are regular. */
+    /*! Finds the neighbors of all quads. Returns false, without neighbors, if findCorners() or looksRegular() does. */
     bool run ()
     {
       if (!findCorners()) return false;
@@ -81,8 +81,8 @@ namespace embree
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if quads can be neighbors: they have the same numbering or, with firstCornersDiffer, the same number of
-     *  triangles. */
+    /*! True if two quads can be neighbors: they differ, and have the same numbering or, with firstCornersDiffer, the
+     *  same number of triangles. */
     bool areCompatible (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.numbering ^ other.numbering;
@@ -160,7 +160,8 @@ namespace embree
       std::sort(extraAbove.begin(),extraAbove.end());
     }
 
-    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and is compatible with q. */
+    /*! Finds the lowest quad that begins at vertex `first` and has `second` as corner c. Returns false if there is
+     *  none, or if it is not compatible with q. */
     bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<ExtraQuad>& extraQuads,
                Quad& found) const
     {

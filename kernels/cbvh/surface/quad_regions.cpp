@@ -12,9 +12,9 @@ namespace embree
   namespace
   {
     /*! Finds regions greedily. A quad is free until it is in a region. A region grows from a seed to the right and up,
-     *  by a column or row at a time, as square as it can. The first seeds are corners: quads without a free quad on the
-     *  left or below. Large regions come first, so that a row of quads at a pole does not separate the columns above
-     *  it.
+     *  by a column or row at a time, as square as it can. The first seeds are corners: quads with no free quad on the
+     *  left and none below. Large regions come first, so that a row of quads at a pole does not separate the columns
+     *  above it.
      *
      *  Other seeds first move left and down until the next quad is not free. A region then does not depend on which of
      *  its quads is the seed, and closed meshes, which have no corners, are filled too. */
@@ -23,7 +23,8 @@ namespace embree
     public:
       RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
-      /*! Assigns all quads, first to regions of at least 16 quads per side, then of minRegionSide, then of any size. */
+      /*! Assigns all quads. For each kind of seeds, first to regions of at least 16 quads per side, then of
+       *  minRegionSide; the remaining quads to regions of any size. */
       void run ()
       {
         cbvh::resizeToFit(flags,neighbors.size());
@@ -86,7 +87,8 @@ namespace embree
         return isAdded;
       }
 
-      /*! Moves a seed left, then down, as far as quads are free. Stops after one round in a ring of quads. */
+      /*! Moves a seed left, then down, as far as quads are free. Stops after one round in a ring of quads, or
+       *  when all seeds together have moved too far. */
       unsigned moveSeed (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -195,7 +197,7 @@ namespace embree
       const size_t n = mesh->triangles.size();
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       auto isPair = [&](size_t i) {
-        return i+1 < n && triangles.shareEdge(i,i+1); // otherwise one of them may be invalid
+        return i+1 < n && triangles.shareEdge(i,i+1);
       };
       const size_t step = max(n/4096,size_t(1));
       size_t numSampled = 0, paired = 0;

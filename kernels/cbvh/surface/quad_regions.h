@@ -26,7 +26,7 @@ namespace embree
     struct QuadsOfMesh
     {
       const QuadMesh* mesh;
-      const WeldedVertices* welded; //!< null if all vertices differ
+      const WeldedVertices* welded; //!< null: vertices are matched by index
 
       size_t size () const { return mesh->quads.size(); }
 
@@ -50,7 +50,7 @@ namespace embree
     struct PairsOfMesh
     {
       const TriangleMesh* mesh;
-      const WeldedVertices* welded;     //!< null if all vertices differ
+      const WeldedVertices* welded;     //!< null: vertices are matched by index
       const mvector<unsigned>* firsts;  //!< first triangle of each pair; null if it is 2i for pair i
       const mvector<unsigned>* seconds; //!< second triangle of each pair; null if it follows the first one
 
@@ -68,8 +68,8 @@ namespace embree
       }
 
       /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). firstCorners: receives
-       *  the corners with which the triangles begin (cvert/format/quad_numbers.h). Returns false if they share no
-       *  edge. */
+       *  the corners with which the triangles begin (cvert/format/quad_numbers.h). Returns false unless they share an
+       *  edge in opposite directions. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& firstCorners)
       {
         for (unsigned i=0; i<3; i++)
@@ -82,7 +82,7 @@ namespace embree
         return false;
       }
 
-      /*! True if two triangles share an edge, and all their vertices exist. */
+      /*! True if join() succeeds, and all vertices exist. */
       bool shareEdge (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], firstCorners;
@@ -123,7 +123,7 @@ namespace embree
   {
     struct Region
     {
-      size_t first;           //!< index of the region's first quad
+      size_t first;           //!< index of its first quad in `quads`
       unsigned width, height; //!< size in quads
     };
 
@@ -137,13 +137,13 @@ namespace embree
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
     size_t numRegular = 0;                   //!< number of regions without irregular quads
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from the quad at its corner v0
-    std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
+    std::shared_ptr<const WeldedVertices> welded; //!< null: vertices are matched by index
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool firstCornersDiffer = false; //!< triangles of a region's quads begin at different corners
     bool isOutOfMemory = false; //!< memory ran out while regions were searched
     cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_regions.h), ascending
     bool areAllIrregular = false; //!< no regions, and `irregular` is empty
-    size_t numInvalid = 0;    //!< primitives with an index that is not a vertex; rays miss them
+    size_t numInvalid = 0;    //!< primitives with an index that is not a vertex, if regions were found
 
     size_t bytes () const
     {

@@ -88,7 +88,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Fills the buckets (counting sort by task and bucket), with vertices in ascending order. */
+      /*! Fills the buckets (counting sort by bucket, then task), with vertices in ascending order. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);

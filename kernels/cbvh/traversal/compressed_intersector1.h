@@ -136,7 +136,7 @@ namespace embree
         return merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
       }
 
-      /* For callers that have tested the bounds. */
+      /* For callers that have tested the ray and the bounds. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
         LeafIntersector leaves = { ray,context };
