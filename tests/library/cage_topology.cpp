@@ -293,5 +293,85 @@ TEST_P(CageTopology, FacesOnAnEdgeOfTwoShareVertices)
   }
 }
 
+// --- faces of opposite winding ---------------------------------------------------------
+
+Cage boxWithReversedFaces(const std::vector<unsigned>& reversed, const Vec& size)
+{
+  Cage cage = cubeCage();
+  for (Vec& p : cage.positions)
+    for (int k = 0; k < 3; k++) p[k] *= size[k];
+  for (unsigned f : reversed) std::reverse(cage.indices.begin() + 4*f, cage.indices.begin() + 4*(f+1));
+  return cage;
+}
+
+/* Embree evaluates both faces at such an edge as if they ended there. Without displacement, and if the same faces are
+ * reversed on both sides of the edge's ends, the borders have the same shape: they must be the same floats. */
+TEST_P(CageTopology, FacesOfOppositeWindingShareVertices)
+{
+  Device device;
+  const std::vector<unsigned> sets[] = {{0}, {0, 2}, {0, 1}, {0, 1, 2, 3, 4}};
+  for (const std::vector<unsigned>& reversed : sets)
+    for (const Vec& size : {Vec{4, 1, 0.3f}, Vec{1, 1, 0.05f}, Vec{1, 7, 1}})
+      for (float rate : {1.0f, 5.0f, 16.0f, -1.0f}) {
+        SCOPED_TRACE(testing::Message() << reversed.size() << " faces, rate " << rate);
+        const Cage cage = boxWithReversedFaces(reversed, size);
+        SurfaceSettings settings = sharing(GetParam(), std::max(rate, 1.0f));
+        Random random(115);
+        if (rate < 0)
+          for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + random.below(9)));
+        Scene scene(device);
+        addSurface(device, scene, cage, settings);
+        rtcCommitScene(scene);
+        ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+        EXPECT_LE(statisticsOf(scene).maxBorderMismatch, 1e-6f);
+        for (int i = 0; i < 300; i++) {
+          const RTCRayHit ray = makeRay({0, 0, 0}, {size[0]*float(random.uniform(-1, 1)),
+            size[1]*float(random.uniform(-1, 1)), size[2]*float(random.uniform(-1, 1))});
+          ASSERT_TRUE(isHit(intersect(scene, ray))) << "ray " << i;
+        }
+        if (GetParam() != RTC_COMPRESSION_CVERT) continue;
+        for (const auto& edge : usesOfEdges(scene)) ASSERT_EQ(edge.second, 2u);
+      }
+}
+
+// The faces with numbers 0 and 2 share an edge; only one of them is reversed. Displacement moves them apart.
+TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings = sharing(GetParam(), 8);
+  settings.displacement = &displacement;
+  const Twins twins(device, boxWithReversedFaces({0}, {1, 1, 1}), settings);
+  Random random(116);
+  size_t hits = 0;
+  for (const RTCRayHit& ray : raysAt(random, 600)) {
+    const RTCRayHit found = intersect(twins.scene, ray), expected = intersect(twins.grid, ray);
+    if (!isHit(expected) || !isHit(found) || found.hit.primID != expected.hit.primID) continue;
+    hits++;
+    ASSERT_NEAR(found.ray.tfar, expected.ray.tfar, 0.1f);
+  }
+  EXPECT_GT(hits, 100u);
+}
+
+// An edge of three faces, one of which has a vertex without a position.
+TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
+{
+  Device device;
+  Cage cage;
+  cage.positions = {{0,0,0}, {0,1,0}, {3,0,0.1f}, {3,1,0}, {-0.2f,0,0}, {-0.2f,1,0}, {0,0,NAN}, {0,1,1}};
+  cage.addFace({0, 2, 3, 1});
+  cage.addFace({1, 5, 4, 0});
+  cage.addFace({0, 1, 7, 6});
+  const SurfaceSettings settings = sharing(GetParam(), 16);
+  Scene scene(device);
+  addSurface(device, scene, cage, settings);
+  rtcCommitScene(scene);
+  device.takeError();
+  if (GetParam() != RTC_COMPRESSION_CVERT) return;
+  const std::vector<VertTriangle> triangles = vertTriangles(scene);
+  EXPECT_EQ(triangles.size(), 2u*2*16*16);
+  EXPECT_EQ(countOpenEdges(triangles), 2u*3*16) << "edges of the common border belong to two triangles";
+}
+
 } // namespace
 } // namespace cbvh::test

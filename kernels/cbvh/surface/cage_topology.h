@@ -11,7 +11,9 @@
  *          face B             claim is the index of a half-edge.
  *
  * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps its vertices in
- * place, so the edge is straight and equal in all faces, whichever GRID traces. All share it and its two corners. */
+ * place, so the edge is straight and equal in all faces, whichever GRID traces. All share it and its two corners.
+ * Neither do the half-edges of two faces of opposite winding have an opposite: Embree treats them as borders. They are
+ * shared if both faces evaluate the same border. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -48,7 +50,7 @@ namespace embree
         cbvh::resizeToFit(halfEdges,countHalfEdges());
         forFaces(facesPerTask,progress,[&](size_t f) { findRates(f); });
         forFaces(facesPerTask,progress,[&](size_t f) { findOwners(f); });
-        joinNonManifold();
+        joinWithoutOpposite();
       }
 
       size_t numHalfEdges () const { return halfEdges.size(); }
@@ -149,9 +151,40 @@ namespace embree
         }
       }
 
-      /*! Sets one owner and rate for all half-edges of a non-manifold edge, and one corner owner for each of its
-       *  ends. */
-      void joinNonManifold ()
+      /*! True if two participating half-edges without an opposite, at the same edge, are borders of equal shape. */
+      bool haveSameShape (const HalfEdge* a, const HalfEdge* b) const
+      {
+        if (a->getStartVertexIndex() != b->getStartVertexIndex()) return true; // a third face does not participate
+        if (mesh->displFunc || at(a).isTracedByGrid || at(b).isTracedByGrid) return false;
+        return BorderEnd(a,false) == BorderEnd(b,false) && BorderEnd(a,true) == BorderEnd(b,true);
+      }
+
+      /*! What the shape of a border depends on at one end, apart from the border's own vertices: the next vertex of the
+       *  border, and the creases at this end in the faces that are reached by crossing edges. */
+      struct BorderEnd
+      {
+        unsigned nextVertex;
+        float vertexCrease;
+        bool hasEdgeCreases;
+
+        BorderEnd (const HalfEdge* border, bool atEnd)
+          : vertexCrease((atEnd ? border->next() : border)->vertex_crease_weight), hasEdgeCreases(false)
+        {
+          const HalfEdge* e = atEnd ? border->next() : border->prev();
+          for (; e->hasOpposite(); e = atEnd ? e->opposite()->next() : e->opposite()->prev())
+            hasEdgeCreases |= e->edge_crease_weight > 0.0f;
+          nextVertex = (atEnd ? e->next() : e)->getStartVertexIndex();
+        }
+
+        bool operator== (const BorderEnd& other) const {
+          return nextVertex == other.nextVertex && vertexCrease == other.vertexCrease && !hasEdgeCreases
+            && !other.hasEdgeCreases;
+        }
+      };
+
+      /*! Sets one owner and rate for all half-edges of an edge without opposites that are borders of equal shape, and
+       *  one corner owner for each of its ends. */
+      void joinWithoutOpposite ()
       {
         std::vector<KeyedEdge> borders;
         for (uint32_t i=0; i<halfEdges.size(); i++)
@@ -162,7 +195,8 @@ namespace embree
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;
-          if (end-begin < 3) continue;
+          if (end-begin < 2) continue;
+          if (end-begin == 2 && !haveSameShape(first+borders[begin].second,first+borders[begin+1].second)) continue;
           joinEdges(borders.data()+begin,borders.data()+end);
           for (size_t i=begin; i<end; i++)
             for (const HalfEdge* h : { first+borders[i].second, first[borders[i].second].next() })
