@@ -29,7 +29,7 @@ namespace embree
     {
       int shearedAxis; //!< 3 for none, as in raw blocks
       float origin[3]; //!< of the block
-      float extent[3]; //!< at least the distance of vertices and planes from the origin
+      float extent[3]; //!< by axis: at least the distance of vertices and planes from the origin
       float shear[3];  //!< the sheared coordinate is the sum of shear[k]*(p[k]-origin[k])
     };
 
@@ -136,7 +136,7 @@ namespace embree
     class SegmentEntries
     {
     public:
-      /*! If the entry's key differs, the caller must decode the segment into the entry and set the key. */
+      /* If the entry's key differs, the caller must decode the segment into the entry and set the key. */
       __forceinline BlockEntry& blockEntry (const void* block, uint32_t segment) {
         return blocks[blocks.indexOf(localityHashOfBlock(block,blockStep) + segment)];
       }

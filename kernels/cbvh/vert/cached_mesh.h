@@ -113,7 +113,7 @@ namespace embree
         __forceinline MeshGroupTriangles (const VertRay& ray, const Cached& cached, uint32_t g)
         {
           const MeshTriangles& first = cached.triangles(g,0);
-          const bool hasNextHalf = first.hasNextHalf; // copied, because the second half may overwrite `first`
+          const bool hasNextHalf = first.hasNextHalf;
           mask = trianglesHitByLine(ray,first,halves[0]);
           if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
         }

@@ -55,7 +55,7 @@ namespace embree
       /*! Tests and reports hits of a ray in a block. Cached: as in VertIntersector1. Target: the ray, with
        *
        *    float tnear (), tfar ()
-       *      Range of distances; each accepted hit decreases tfar().
+       *      Range of distances; an accepted closest hit sets tfar() to its distance.
        *    const SurfaceIDs& ids ()
        *      Of the scene.
        *    bool needsHitData (block)

@@ -60,7 +60,8 @@ namespace embree
           return boxesAtTime;
         }
 
-        /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another half. */
+        /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another g or
+         *  half. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           if (trianglesAtTime.key != 16*half+g) interpolate(g,half);
