@@ -16,8 +16,7 @@ namespace embree
     /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26 lanes, because the 25
-     *  vertices are stored two at a time. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26, because two are stored at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Lower and upper planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on

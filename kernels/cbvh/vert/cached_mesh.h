@@ -41,7 +41,6 @@ namespace embree
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), entry(cache.blockEntry(block)),
             halves(cache.halves(block)) {}
 
-        /*! Boxes of groups if they are in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const {
           return likely(entry.block == block) ? &entry : nullptr;
         }

@@ -81,7 +81,6 @@ namespace embree
 
       private:
 #if defined(CBVH_SSE41_INTEGERS) && !defined(__AVX512F__)
-        /*! Loads the window of a row and shuffles its bytes. */
         static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int row,
                                                  const uint8_t (*shuffle)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[row])),

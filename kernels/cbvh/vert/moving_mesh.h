@@ -26,7 +26,6 @@ namespace embree
           trianglesAtTime.key = ~size_t(0);
         }
 
-        /*! Boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
