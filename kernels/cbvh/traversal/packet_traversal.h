@@ -20,7 +20,8 @@ namespace embree
        *
        *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT, const Tray& tray,
        *                     size_t& lazyNode)
-       *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
+       *       Intersects a leaf. entryT: entry distances of the rays in `valid`. lazyNode: receives a node that must be
+       *       traversed next.
        *     vfloat<K> tfar
        *       Ends of rays, -inf for any-hit rays with a hit; read after each intersect(). */
       template<int K, typename LeafIntersector>
@@ -34,7 +35,7 @@ namespace embree
         {
           vfloat<K> entryT;
           NodeRef node;
-          float frustumEntryT; //!< of the frustum: a lower bound of `entryT`
+          float frustumEntryT; //!< of the frustum, for sorting: a lower bound of `entryT` but for rounding
         };
 
       public:

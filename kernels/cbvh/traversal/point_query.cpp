@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries (rtcPointQuery) over compressed geometries. "Within reach" means closer to the query's point than its
- * radius. The application's function is called, possibly several times, for the primitive of each block within reach;
- * for blocks with numbers of quads and mesh blocks, for each primitive whose box, or whose triangle's box, is. As in
- * Embree, queries find no subdivision surfaces. */
+/* Point queries (rtcPointQuery) over compressed geometries. "Within reach" means in the query's sphere, or in its box
+ * for Embree's AABB queries. The application's function is called, possibly several times, for the primitive of each
+ * block whose leaf is within reach, or that is the tree's only block. In blocks with numbers of quads and in mesh
+ * blocks, it is called for each quad or triangle whose box is within reach. As in Embree, queries find no subdivision
+ * surfaces. */
 
 #include "point_query.h"
 #include "../base/block_validity.h"
@@ -196,7 +197,7 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
-        /*! As above, for one box. */
+        /*! distanceOf() for one box. */
         float distanceOf (const BBox3fa& bounds) const
         {
           float d[3];

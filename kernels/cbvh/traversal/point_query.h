@@ -11,8 +11,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Runs a point query over a tree of compressed geometries. Returns true if a call of the application's function
-       *  changed the query. */
+      /*! Runs a point query over a tree of compressed geometries. bvh: a CompressedTree. Returns true if a call of the
+       *  application's function changed the query. */
       bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
     }
   }

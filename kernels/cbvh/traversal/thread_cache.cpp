@@ -58,7 +58,7 @@ namespace embree
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
         static thread_local Owner owner;
-        (void)owner; // its first use constructs it
+        (void)owner; // only its destructor is needed
         void* memory = nullptr;
         if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();
         current = (ThreadCache*)memory;

@@ -40,8 +40,8 @@ namespace embree
         return finite;
       }
 
-      /*! Reciprocals of a direction, by axis, and as factors of Embree's robust traversal: `near` is smaller and `far`
-       *  larger by 3 ulps, to cover rounding. */
+      /*! Reciprocals of a direction, by axis, and as factors of Embree's robust traversal: `near` is smaller in
+       *  magnitude by 3 ulps and `far` larger, to cover rounding. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
@@ -51,7 +51,8 @@ namespace embree
             far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Returns false if the ray misses a box and, with the rounding of traversal, all boxes inside of it. */
+      /*! Returns false if the ray misses a box and, with the rounding of traversal, all boxes inside of it. Requires
+       *  isValidRay(). */
       __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };

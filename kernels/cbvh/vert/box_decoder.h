@@ -32,7 +32,7 @@ namespace embree
         return spacing;
       }
 
-      /*! Sets axis and shear. info: VertHeader::info. isSheared: false for raw blocks. */
+      /*! Sets axis and shear. info: VertHeader::info or VertStep::info. isSheared: false if raw. */
       __forceinline void setShear (uint32_t info, bool isSheared, VertAxes& axes)
       {
         axes.shearedAxis = likely(isSheared) ? shearedAxis(info) : 3;
@@ -58,7 +58,8 @@ namespace embree
       class PlanesDecoder
       {
       public:
-        /*! info: as VertHeader::info. margins: for each axis one byte per group. */
+        /*! info: as VertHeader::info. margins: for each axis one byte per group. The arguments must outlive this
+         *  object. */
         __forceinline PlanesDecoder (uint32_t info, const uint8_t* margins, const VertLayout& layout,
                                      const VertSpacing& spacing, const float* origin)
           : info(info), margins(margins), layout(layout), spacing(spacing), origin(origin) {}
@@ -102,7 +103,7 @@ namespace embree
           }
         }
 
-        /*! Moves each group's byte to the group's lane. Returns `out`, or `rows` if nothing moves. 16 bytes can be
+        /*! Moves each group's byte to the group's lane. Returns `out`, or `rows` if nothing moves. 20 bytes can be
          *  read from the result. out: 24 bytes. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {

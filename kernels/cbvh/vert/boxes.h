@@ -140,7 +140,7 @@ namespace embree
           raw = isRaw(info) || isRaw(end->info);
         }
 
-        /*! Upper bound of the vertices' distance from the origin at all times. Requires !raw. */
+        /*! VertAxes::extent for all times in the segment. Requires !raw. */
         __forceinline float extent () const
         {
           return max(extentOfBounds(boundsOf(ends[0])),extentOfBounds(boundsOf(ends[1])));

@@ -16,8 +16,7 @@ namespace embree
     /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26 lanes, because the 25
-     *  vertices are stored two at a time. */
+    /*! Lattice coordinates of a cell's vertices: x, y, z and 0 per lane. 26, because two are stored at a time. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Lower and upper planes of the groups' boxes on one axis: world coordinates, or relative to the block's origin on
@@ -29,7 +28,7 @@ namespace embree
     {
       int shearedAxis; //!< 3 for none, as in raw blocks
       float origin[3]; //!< of the block
-      float extent[3]; //!< at least the distance of vertices and planes from the origin
+      float extent[3]; //!< by axis: at least the distance of vertices and planes from the origin
       float shear[3];  //!< the sheared coordinate is the sum of shear[k]*(p[k]-origin[k])
     };
 
@@ -136,7 +135,7 @@ namespace embree
     class SegmentEntries
     {
     public:
-      /*! If the entry's key differs, the caller must decode the segment into the entry and set the key. */
+      /* If the entry's key differs, the caller must decode the segment into the entry and set the key. */
       __forceinline BlockEntry& blockEntry (const void* block, uint32_t segment) {
         return blocks[blocks.indexOf(localityHashOfBlock(block,blockStep) + segment)];
       }

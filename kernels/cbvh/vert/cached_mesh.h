@@ -41,7 +41,6 @@ namespace embree
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), entry(cache.blockEntry(block)),
             halves(cache.halves(block)) {}
 
-        /*! Boxes of groups if they are in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const {
           return likely(entry.block == block) ? &entry : nullptr;
         }
@@ -113,7 +112,7 @@ namespace embree
         __forceinline MeshGroupTriangles (const VertRay& ray, const Cached& cached, uint32_t g)
         {
           const MeshTriangles& first = cached.triangles(g,0);
-          const bool hasNextHalf = first.hasNextHalf; // copied, because the second half may overwrite `first`
+          const bool hasNextHalf = first.hasNextHalf;
           mask = trianglesHitByLine(ray,first,halves[0]);
           if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
         }

@@ -22,8 +22,8 @@ namespace embree
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
-      /*! Loads corner c of VertHeader::corners or VertStep::corners: 14 bits per coordinate, below two bits of
-       *  spacings. Lane 3 is undefined. */
+      /*! Loads corner c of VertHeader::corners or VertStep::corners: 14 bits per coordinate, below two other bits
+       *  (cornerBits). Lane 3 is undefined. */
       __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
         const __m128i coordinates =
           _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
@@ -68,8 +68,8 @@ namespace embree
       class CellBase
       {
       public:
-        /*! isGroup: true for a group's cell, false for the block's first cell. quadsX, quadsY: along the cell's
-         *  sides. */
+        /*! prediction must outlive this object. isGroup: true for a group's cell, false for the block's first cell.
+         *  quadsX, quadsY: along the cell's sides. */
         __forceinline CellBase (const CellPrediction& prediction, bool isGroup, uint32_t quadsX, uint32_t quadsY)
           : prediction(prediction), weightX(vertTables.weightX[isGroup][quadsX-1]),
             weightY(vertTables.weightY[isGroup][quadsY-1]) {}

@@ -20,8 +20,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Numbers of vectors: for all vertices of a cell, and for all but the last one, a corner without a field, for
-       *  which vectors of 4 or 8 lanes would need one vector more. */
+      /*! Numbers of vectors: for all vertices of a cell, and for all but the last one. This corner has no field, and
+       *  vectors of 4 or 8 lanes would need one vector more for it. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
@@ -30,8 +30,8 @@ namespace embree
       {
         vintV lanes[fieldVectors];
 
-        /*! data: start of the cell's fields. bits: per field. start: first bit of the first field. May read 8 bytes
-         *  after the last field. */
+        /*! data: start of the cell's fields. bits: per field. start: first bit of the first field. Reads up to 8
+         *  bytes after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
@@ -47,7 +47,7 @@ namespace embree
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
-            // a field can extend into a second word; otherwise a shift by 32 returns 0
+            // a field can extend into a second word; if it starts at bit 0, the shift by 32 returns 0
             lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),
               _mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
@@ -81,7 +81,6 @@ namespace embree
 
       private:
 #if defined(CBVH_SSE41_INTEGERS) && !defined(__AVX512F__)
-        /*! Loads the window of a row and shuffles its bytes. */
         static __forceinline __m128i loadWindow (const uint8_t* data, const VertTables::Windows& windows, int row,
                                                  const uint8_t (*shuffle)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[row])),

@@ -18,8 +18,8 @@ namespace embree
     namespace cbvh
     {
       /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each word. high: the next 8
-       *  bits, or null if all are 0; 16 bytes may be read there. begin: offset of the first group's fields. words,
-       *  fieldOffsets: output by lane. */
+       *  bits, or null if all are 0. begin: offset of the first group's fields. words, fieldOffsets: output by lane;
+       *  words must be aligned to 16 bytes. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
                                            const VertLayout& layout, uint32_t words[16],
                                            uint16_t fieldOffsets[16])
@@ -104,7 +104,7 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
-        /*! Packs coordinates, integers of at most 16 bits, for the cache. */
+        /*! Packs coordinates, integers from 0 to 65535, for the cache. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)

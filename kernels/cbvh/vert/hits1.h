@@ -19,7 +19,6 @@ namespace embree
       /* Access to a group of a cVERT block; cached_mesh.h and moving_mesh.h have overloads for mesh blocks. Cached: as
        * in VertIntersector1. g: lane of the group. index: of the triangle in the group, see VertTables::triangles. */
 
-      /*! Primitive and (u,v) of a hit. */
       template<typename Cached>
       __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t index,
                                              const VertTriangle::Sides& sides) {
@@ -31,7 +30,6 @@ namespace embree
         return VertTriangle(cached.vertices(g),index);
       }
 
-      /*! Triangles of group g that the ray's line may pass through. Bits of mask: see GroupTriangles. */
       template<typename Cached>
       __forceinline GroupTriangles groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
         return GroupTriangles(ray,cached.vertices(g));
@@ -55,7 +53,7 @@ namespace embree
       /*! Tests and reports hits of a ray in a block. Cached: as in VertIntersector1. Target: the ray, with
        *
        *    float tnear (), tfar ()
-       *      Range of distances; each accepted hit decreases tfar().
+       *      Range of distances; an accepted closest hit sets tfar() to its distance.
        *    const SurfaceIDs& ids ()
        *      Of the scene.
        *    bool needsHitData (block)

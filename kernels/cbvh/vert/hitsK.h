@@ -161,7 +161,8 @@ namespace embree
 
         /*! Processes rays with one triangle each together. Returns the mask of rays that are done, and adds rays with
          *  an accepted hit to the mask `accepted`. Other rays need single tests: a side may have rounded to 0, the ray
-         *  may lie in the triangle's plane, or another hit may have the same distance. */
+         *  may lie in the triangle's plane, another hit may have the same distance, or, without hit data, the triangle
+         *  may extend beyond tnear or tfar. */
         uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangleMasks,
                                  uint32_t& accepted)
         {

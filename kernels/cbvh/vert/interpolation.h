@@ -20,7 +20,7 @@ namespace embree
         const vfloatV weightOfBegin, weightOfEnd;
         __forceinline explicit Interpolator (float fraction) : weightOfBegin(1.0f-fraction), weightOfEnd(fraction) {}
 
-        /*! Rounds as Embree's lerp, so that vertices are those of Embree's own kernels. */
+        /*! Rounds as Embree's lerp, so that vertices equal Embree's if the ends do. */
         __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const {
           return madd(weightOfBegin,a,weightOfEnd*b);
         }

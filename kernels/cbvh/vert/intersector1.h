@@ -34,8 +34,8 @@ namespace embree
         }
       };
 
-      /*! Returns the mask of groups whose boxes the ray intersects between tnear and tfar. enter: receives the ray's
-       *  entry distance of each box. */
+      /*! Returns the mask of groups whose boxes the ray may intersect between tnear and tfar. enter: receives a lower
+       *  bound of the entry distance per lane; aligned to vectors. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
                                                   const GroupBoxes& boxes, float enter[16])
       {

@@ -37,7 +37,7 @@ namespace embree
     /*! World positions of a group's vertices: [axis][vertex]. Other lanes are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
-    /*! Entry of half a group: 16 of its triangles, one per lane, and all vertices of the group. */
+    /*! Entry of half a group: up to 16 of its triangles, one per lane, and all vertices of the group. */
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
@@ -89,7 +89,7 @@ namespace embree
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
       uint8_t bits[3][16];        //!< bits of a field: [axis][group]
-      uint32_t base[3][16];       //!< number to add to fields: [axis][group]
+      uint32_t base[3][16];       //!< residual minus field: [axis][group]
     };
 
     /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. No axis is sheared. */
@@ -97,7 +97,7 @@ namespace embree
     {
       SegmentKey key;            //!< of the block
       float origins[2][3];       //!< [e][axis]
-      float extent[3];           //!< as VertAxes::extent, at all times
+      float extent[3];           //!< as VertAxes::extent, at all times in the segment
       GroupPlanes planes[2][3];  //!< [e][axis]
       MeshStepFields steps[2];   //!< [e]; undefined for the block's first step
       MeshBlockEntry first;      //!< where groups begin in the block, and boxes at the first step

@@ -4,7 +4,8 @@
 #pragma once
 
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
- * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block.
+ * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads less than vertReadPadding bytes
+ * after the block.
  *
  * docs/formats/mesh_block.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
 
@@ -128,9 +129,9 @@ namespace embree
         };
 
         /*! Decodes triangles `first` to first+15 of a group. count: triangles of the group. restarts, fans: masks of
-         *  triangles that start a strip or continue a fan. firstCorners: two bits per triangle. newMask: entries of the
-         *  stream that are new vertices, without the first three entries, which are always new. repeats: indices of
-         *  the vertices of other entries. */
+         *  triangles that start a strip or continue a fan; bit 0 must be clear. firstCorners: two bits per triangle.
+         *  newMask: entries of the stream that are new vertices, without the first three entries, which are always
+         *  new. repeats: indices of the vertices of other entries. */
         static void decodeStripsSerially (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans,
                                           uint64_t firstCorners, uint64_t newMask, BitReader repeats,
                                           uint32_t repeatBits, uint8_t (*corners)[16])
@@ -258,7 +259,8 @@ namespace embree
         __forceinline bool isSheared () const { return (block->info & 0x03FF0000u) != 0; }
 
         /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
-         *  on the others. If a ratio exceeds 2^maxRatio, no axis is sheared, and boxes are unbounded on that axis. */
+         *  on the others. If a ratio or its inverse exceeds 2^maxRatio, no axis is sheared, and boxes contain all
+         *  coordinates up to maxCoordinate on the axis that the block shears. */
         __forceinline void setAxes (MeshBlockEntry& out) const
         {
           out.shearedAxis = 3;
@@ -381,8 +383,8 @@ namespace embree
           return before;
         }
 
-        /*! Sets where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h). All sums have less than 16
-         *  bits. */
+        /*! Sets where the data of each group begin, as MeshView (cvert/decoder/mesh_view.h). All sums are less than
+         *  2^16. */
         __forceinline void decodeGroupOffsets (uint32_t groups, MeshBlockEntry& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
@@ -575,8 +577,8 @@ namespace embree
             _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
         }
 
-        /*! readCoordinates for up to 16 vertices, if no group has more than 57 bits per vertex. first: index in the
-         *  block of the first own vertex. n: first output lane. */
+        /*! readCoordinates for the first 16 of vertexCount vertices, if no group has more than 57 bits per vertex.
+         *  first: index in the block of the first own vertex. n: first output lane. */
         __forceinline void readSixteen (const MeshBlockEntry& entry, uint32_t first, uint32_t vertexCount,
                                         uint32_t ownMask, BitReader otherIndices, uint32_t otherBits,
                                         uint32_t (*coordinates)[32], uint32_t n) const

@@ -142,7 +142,7 @@ namespace embree
           }
         }
 
-        /*! For each vertex of a group, its owner and its index among the owner's vertices. */
+        /*! For each vertex of a group, the group to which it belongs, and its index among that group's vertices. */
         struct VertexOwners
         {
           uint32_t numVertices;

@@ -20,6 +20,7 @@ namespace embree
     public:
       static const uint32_t groupTriangles = 16; //!< triangles of a full group
 
+      /*! The arguments must outlive the writer. */
       MeshWriter (const IrregularTriangles& source, uint32_t surfaceNumber, BlockStore& store,
         cbvh::BuildStatistics& statistics)
         : source(source), surfaceNumber(surfaceNumber), store(store), statistics(statistics) {}
@@ -30,7 +31,7 @@ namespace embree
       }
 
       /*! Writes a cluster. groups: its division into groups of consecutive primitives. The caller must flush the store
-       *  after the last cluster of a part, whose blocks must be contiguous. */
+       *  after the last cluster: a single flush leaves less memory unused. */
       void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double squaredDeviation = 0; // largest squared distance by which rounding moved a corner
@@ -105,7 +106,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more, because a rejected triangle is overwritten
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more than clusters have
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

@@ -62,7 +62,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes the entry of a block in a segment. Requires out.key. */
+        /*! Decodes the entry of a block in a segment, except for out.key, which must be set. */
         void decode (uint32_t segment, VertSegmentEntry& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -97,7 +97,8 @@ namespace embree
           return cbvh::isRaw(step == 0 ? block->info : stepOf(block,step)->info);
         }
 
-        /*! Decodes the vertices of the group in a lane at both ends, in world space. entry: output of decode(). */
+        /*! Decodes the vertices of the group in a lane at both ends, in world space. entry: output of decode().
+         *  Does not set out.key. */
         void vertices (const VertSegmentEntry& entry, uint32_t lane, SegmentVertices& out) const
         {
           CellVertices first; // residuals of the first step, for a rotated group
@@ -136,7 +137,7 @@ namespace embree
         /*! Requires a step after the first. */
         static __forceinline const VertStep& laterStepOf (const StepView& step) { return *(const VertStep*)step.data; }
 
-        /*! Decodes the first cell of a step, in coordinates. */
+        /*! Decodes the first cell of a step, in lattice coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
@@ -179,7 +180,8 @@ namespace embree
             }
         }
 
-        /*! Sets boxes of a segment with a raw end, which has no margins, from vertices. Requires out.steps. */
+        /*! Sets boxes of a segment with a raw end, which has no margins, from vertices. Requires all other members.
+         *  Clears the lanes of groups that no ray can hit. */
         __noinline void boxesOfVertices (VertSegmentEntry& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)

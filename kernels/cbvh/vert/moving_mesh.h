@@ -26,7 +26,6 @@ namespace embree
           trianglesAtTime.key = ~size_t(0);
         }
 
-        /*! Boxes of groups if the segment is in the cache, otherwise null. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
@@ -60,7 +59,8 @@ namespace embree
           return boxesAtTime;
         }
 
-        /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another half. */
+        /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another g or
+         *  half. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
           if (trianglesAtTime.key != 16*half+g) interpolate(g,half);

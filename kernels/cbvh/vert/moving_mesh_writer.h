@@ -16,6 +16,7 @@ namespace embree
     class MovingMeshWriter
     {
     public:
+      /*! The arguments must outlive the writer. */
       MovingMeshWriter (const IrregularTriangles& source, const CompressionPlan& plan, BlockStore& store,
                         cbvh::BuildStatistics& statistics)
         : source(source), plan(plan), store(store), statistics(statistics),
@@ -87,7 +88,7 @@ namespace embree
       cbvh::BuildStatistics& statistics;
       cbvh::MeshMotionEncoder encoder;
       cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
-      uint32_t ids[cbvh::maxMeshTriangles][3]; //!< vertices of the triangles' corners
+      uint32_t ids[cbvh::maxMeshTriangles][3]; //!< IrregularTriangles::cornerIDs() of the triangles
       std::vector<cbvh::StepBox> boxes; //!< of the current block, by step
       std::vector<uint32_t> words;      //!< the encoded block
     };
