@@ -282,6 +282,9 @@ void CbvhSurfaceTy::dice(const CbvhDicingArguments& dicing, float* rates)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
       "there is no cage to dice: call cbvhSetSurfaceCage first, also after a commit"};
   const ScopedFlag scope(isPendingInUse);
+  embree::CompressionSettings none; // so that the settings of the context do not compress and release the cage
+  none.compression = RTC_COMPRESSION_NONE;
+  core::setCompression(pending->embreeGeometry(), none);
   rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
   const std::vector<float> levels = core::dice(pending->embreeGeometry(), cameraOf(dicing));
