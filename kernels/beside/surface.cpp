@@ -108,7 +108,8 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Faces without four corners have a sub-patch per corner. Sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
+/* Faces without four corners have a sub-patch per corner. In sub-patch i + 4 j, u is 2 i + 0.5 to 2 i + 1.5, and v is
+ * 2 j + 0.5 to 2 j + 1.5. Parameters up to 0.5 outside of it are accepted. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");

@@ -62,7 +62,7 @@ static bool isFramedSetting(const std::string& item)
   return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
 
-/* Applies an item of EMBREE_CBVH. Returns false if it is unknown. */
+/* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
