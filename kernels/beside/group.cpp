@@ -68,8 +68,8 @@ void CbvhGroupTy::commit()
           "and at most 64 faces per vertex"};
 }
 
-/* Called after each commit, because Embree returns no statistics after a change of a surface's mask until every scene
- * with that surface is committed. */
+/* Called after each commit, because a later call could fail: if the commit of another group changes a surface's mask,
+ * statisticsOf() throws until this group is committed again. */
 void CbvhGroupTy::updateStatistics()
 {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);

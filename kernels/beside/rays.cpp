@@ -43,8 +43,8 @@ inline bool isCurrent(const CbvhQuery* query)
   return !query || (query->structSize == sizeof(CbvhQuery) && !(query->flags & ~knownFlags));
 }
 
-/* Calls trace() with a query of another version, converted to this one. Returns 0 on errors. Not inlined, to keep the
- * usual path short. */
+/* Calls trace() with a query for which isCurrent() is false, converted to this version. Reports an invalid query and
+ * returns 0. Not inlined, to keep the usual path short. */
 template<typename Trace>
 __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))

@@ -108,7 +108,8 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Faces without four corners have a sub-patch per corner. Sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
+/* Faces without four corners have a sub-patch per corner. In sub-patch i + 4 j, u is 2 i + 0.5 to 2 i + 1.5, and v is
+ * 2 j + 0.5 to 2 j + 1.5. Parameters up to 0.5 outside of it are accepted. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
@@ -282,6 +283,9 @@ void CbvhSurfaceTy::dice(const CbvhDicingArguments& dicing, float* rates)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
       "there is no cage to dice: call cbvhSetSurfaceCage first, also after a commit"};
   const ScopedFlag scope(isPendingInUse);
+  embree::CompressionSettings none; // so that the settings of the context do not compress and release the cage
+  none.compression = RTC_COMPRESSION_NONE;
+  core::setCompression(pending->embreeGeometry(), none);
   rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
   const std::vector<float> levels = core::dice(pending->embreeGeometry(), cameraOf(dicing));

@@ -467,6 +467,24 @@ TEST(Beside, CagesAreDicedByTheView)
     }
 }
 
+// The settings compress cages, and release them, whenever they are committed, which dicing must not do.
+TEST(Beside, CagesAreDicedWhateverTheSettingsSelect)
+{
+  CbvhContext context = nullptr;
+  ASSERT_EQ(cbvhNewContext("subdiv_accel=cbvh,cbvh_release_input=1", nullptr, nullptr, &context), CBVH_OK);
+  {
+    const CbvhCage cage = cube();
+    const Surface surface(context);
+    CbvhDicingArguments dicing = CbvhDicingArguments();
+    dicing.position[2] = 5;
+    dicing.pixelSize = 0.1f;
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
+    for (int i = 0; i < 2; i++) EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  }
+  cbvhReleaseContext(context);
+}
+
 TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion)
 {
   Random random(93);

@@ -74,8 +74,10 @@ inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /de
   fail "hits differ with an unknown setting"
 [ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] ||
   { cat "$work/nonsense.log"; fail "the unknown setting must be reported exactly once"; }
-inside "EMBREE_CBVH=leaf,frame_level=2,verbose $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
-  fail "settings without effect turn compression off"
+for settings in leaf,frame_level=2,verbose cLEAF,verbose cVERT,verbose; do
+  inside "EMBREE_CBVH=$settings $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
+    fail "settings without effect turn compression off: $settings"
+done
 
 # --- points: calls of point queries must match without the interposer and with it --------------
 inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"

@@ -21,7 +21,8 @@ const char* nameOf(RTCGeometryType type)
     : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
 }
 
-/* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. */
+/* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. Throws
+ * Unsupported. */
 CbvhContext contextOf(const std::string& settings)
 {
   static std::mutex& mutex = *new std::mutex;
@@ -135,7 +136,7 @@ void Substituted::buildSurface(const Progress& progress)
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));
-  /* CBVH_ERROR_INVALID_ARGUMENT: the group left out faces, as Embree does */
+  /* CBVH_ERROR_INVALID_ARGUMENT: the group is committed, without invalid parts of the input */
   const CbvhError groupError = cbvhCommitGroup(group);
   if (groupError != CBVH_OK && groupError != CBVH_ERROR_INVALID_ARGUMENT) {
     cbvhReleaseGroup(group);

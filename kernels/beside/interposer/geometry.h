@@ -32,7 +32,7 @@ public:
 
   /* Input of the next commit. */
   Input input;
-  /* Only changes of the input require a new build. AppearanceChange: of masks, filters or user data. */
+  /* A commit requires a new build, except after appearance changes only: of masks, filters or user data. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
   /* Commits the geometry. The next commit of a scene builds it if necessary. */

@@ -5,6 +5,7 @@
 
 #include "device_string.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -50,28 +51,36 @@ static bool parseSwitch(const std::string& text, bool& value)
 static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
+/* Names of representations are not case-sensitive. */
+static std::string lowerCase(std::string text)
+{
+  for (char& c : text) c = char(std::tolower((unsigned char)c));
+  return text;
+}
+
 /* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
 static bool isFramedSetting(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
+  const std::string name = lowerCase(item);
   for (const char* prefix : {"cbvh.", "c", ""}) {
     const size_t length = std::strlen(prefix);
-    if (item.compare(0, length, prefix) == 0 && names.count(item.substr(length)) != 0) return true;
+    if (name.compare(0, length, prefix) == 0 && names.count(name.substr(length)) != 0) return true;
   }
   const std::string key = item.substr(0, item.find('='));
   return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
 
-/* Applies an item of EMBREE_CBVH. Returns false if it is unknown. */
+/* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    // accepted without effect: only libembree3 of this project prints lines and can keep input
+    // without effect here: libembree_cbvh reads "verbose" itself, and always releases input
     if (item == "verbose" || item == "release_input") return true;
-    if (item == "0" || item == "none") options.isOn = false;
-    else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
-    return true;
+    if (item == "0" || item == "none") { options.isOn = false; return true; }
+    const std::string name = lowerCase(item);
+    return name == "1" || name == "vert" || name == "cvert" || name == "cbvh.vert";
   }
   const std::string key = item.substr(0, equals), value = item.substr(equals + 1);
   if (key == "max_error") return parseDistance(value, options.maxError);

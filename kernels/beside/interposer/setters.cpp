@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's functions that set properties of a geometry. Each calls Embree and the substitute. Interpolation
- * and half-edges need no overrides, because the application's handles are Embree's. */
+/* Overrides Embree's functions that set properties of a geometry or commit it. Each calls Embree and updates the
+ * Substituted, if there is one. Interpolation and half-edges need no overrides, because the application's handles are
+ * Embree's. */
 
 #include "objects.h"
 
@@ -37,7 +38,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::AppearanceChange);
 }
 
-/* False if Embree rejects the buffer, and the geometry keeps its previous one. */
+/* False if Embree rejects the buffer, and keeps the previous one, or if it is no input of a build. */
 bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t stride)
 {

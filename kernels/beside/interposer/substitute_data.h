@@ -41,7 +41,7 @@ inline SubstituteData* asSubstituteData(void* userData)
   return offset < size ? (SubstituteData*)userData : nullptr;
 }
 
-/* Returns zeroed data, or NULL if the address range is exhausted. */
+/* Returns zeroed data, or NULL if the address range is exhausted or cannot be reserved. */
 SubstituteData* newSubstituteData();
 void deleteSubstituteData(SubstituteData* data);
 

@@ -17,10 +17,11 @@ namespace embree
    *  Ignores case. */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
-  /*! True if a scene needs new accelerators: it got its first compressed surface, or lost its last. */
+  /*! True if a scene needs new accelerators: it got its first compressed static or moving surface, or lost its last, or
+   *  it got its first uncompressed moving subdivision surface next to compressed ones. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! True if an uncompressed subdivision surface of the scene has motion blur. */
+  /*! True if an enabled, uncompressed subdivision surface of the scene has motion blur. */
   bool hasUncompressedMotion (Scene* scene);
 
   /*! Reports the errors of the last build to the device, once. Must be called on the committing thread, because devices
@@ -28,7 +29,7 @@ namespace embree
   void reportBuildErrors (Scene* scene);
 
   /*! Returns an unbuilt structure for the static compressed geometries and all other static subdivision surfaces of a
-   *  scene, or null if none is compressed. The caller owns the result. */
+   *  scene, or null if none is compressed. The caller owns the result. Clears scene->surfaceIDs, which builds set. */
   Accel* createCompressedAccel (Scene* scene);
 
   /*! Same for the moving compressed geometries only. */

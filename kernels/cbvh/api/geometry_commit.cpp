@@ -118,8 +118,9 @@ namespace embree
       return geometry->compression.resolve(geometry->device->compression).releasesInput;
     }
 
-    /*! Discards the blocks if the geometry has changed, and returns true then. Throws if its input was released and is
-     *  not set again. missing: names of the input, for the message. */
+    /*! Discards the blocks, and returns true, unless they remain valid (SurfaceState::areBlocksValid). Throws if the
+     *  input was released and is not set again, or if another commit of the geometry builds blocks. missing: names of
+     *  the input, for the message. */
     bool discardOutdatedBlocks (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       BuildScope::requireNotBuilding(geometry);
@@ -157,7 +158,7 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need about 20 KiB for them. */
+    /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need at most about 20 KiB for them. */
     const size_t minPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
@@ -168,8 +169,9 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry if it requests compression and rejectionReason is null. The reason completes "not
-     *  compressed: 12 quads that ..."; it is not printed if empty. primitives: their name, plural. */
+    /*! Marks a geometry as compressed if isRequested and rejectionReason is null. Stores and prints why a request is
+     *  rejected. The reason completes "not compressed: 12 quads that ..."; it is not printed if empty. primitives:
+     *  their name, plural. */
     void setDecision (CompressibleGeometry* geometry, bool isRequested, const char* rejectionReason,
                       const char* primitives)
     {
@@ -180,7 +182,8 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Builds the blocks if the geometry releases its input, and returns true: the caller must then release it. */
+    /*! Ends the commit of the SurfaceState. If the geometry releases its input and has no blocks, builds them and
+     *  returns true: the caller must then release the input. */
     bool buildBlocksNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
@@ -267,7 +270,8 @@ namespace embree
     if (buildBlocksNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Releases the vertices, and the primitives unless rtcInterpolate needs them for vertex attributes. */
+  /*! If blocks were built, releases the vertices, and the primitives unless rtcInterpolate needs them for vertex
+   *  attributes. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {

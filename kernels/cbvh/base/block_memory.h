@@ -21,7 +21,8 @@ namespace embree
       BlockMemory& operator= (const BlockMemory&) = delete;
 
       /*! Must be called before any allocation. bytes: estimated size of a large surface, which uses Embree's allocator,
-       *  or 0 for a small one, whose pieces are allocated separately: its chunks would stay mostly empty. */
+       *  or 0 for a small one, whose pieces are allocated separately, because the allocator's chunks would stay mostly
+       *  empty. */
       void reserve (size_t bytes);
 
       /*! Embree's allocator, for builders that require it. Null after reserve(0). */

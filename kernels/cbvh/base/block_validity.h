@@ -4,7 +4,8 @@
 #pragma once
 
 /* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because a check when the
- * file is opened would read the whole file. Code that reads a block must call isBlockValid first. */
+ * file is opened would read the whole file. Code that reads a static block must call isBlockValid first. Moving blocks
+ * are checked when their geometry is loaded. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"

@@ -43,8 +43,8 @@ namespace embree
         maxSquaredMismatch = std::max(maxSquaredMismatch,distance2(own,shared));
       }
 
-      /*! Adds the statistics of another task of the surface. Sets sums.maxVertexDeviation and sums.maxBorderMismatch,
-       *  which are 0 in tasks. */
+      /*! Adds the statistics of another task of the surface. Only this function sets sums.maxVertexDeviation and
+       *  sums.maxBorderMismatch. */
       void merge (const BuildStatistics& other)
       {
         add(other);

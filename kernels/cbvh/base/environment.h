@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Returns the items without surrounding blanks, except for empty ones. */
+  /*! Returns the items that are not empty, without surrounding blanks. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;

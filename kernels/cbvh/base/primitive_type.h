@@ -38,7 +38,7 @@ namespace embree
         : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORMAT : VERT_FORMAT;
     }
 
-    /*! Loading a file checks these, so callers need not. */
+    /*! Moving blocks of files were checked when they were loaded: they need no isBlockValid(). */
     constexpr bool isMovingBlock (std::size_t type) { return type == MOVING_VERT_BLOCK || type == MOVING_MESH_BLOCK; }
 
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }

@@ -26,7 +26,7 @@ namespace embree
     {
     public:
       /*! Allocates the lowest free number, or fileNumber if it is free, so that the blocks of a file need not be
-       *  changed. Thread-safe. */
+       *  changed. fileNumber: at least firstFileNumber, without the bit movingSurface. Thread-safe. */
       explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;

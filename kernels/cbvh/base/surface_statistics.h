@@ -19,7 +19,7 @@ namespace embree
       size_t topLevelBytes = 0;        //!< BVH over blocks and grids
       size_t headerBytes = 0;
       size_t nodeBytes = 0;            //!< compressed inner nodes
-      size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
+      size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID, cVERT)
       size_t uncompressedBytes = 0;    //!< grids of numUncompressedQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< quads in blocks

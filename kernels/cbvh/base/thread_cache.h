@@ -26,12 +26,13 @@ namespace embree
 
     extern std::atomic<unsigned> cacheGeneration; //!< incremented by invalidateThreadCaches()
 
-    /*! Hash of an address, not reduced to a number of entries. Multiplicative hashing by 2^32 divided by the golden
-     *  ratio (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
+    /*! Hash of an address, not reduced to a number of entries. Multiplicative hashing by a prime near 2^32 divided by
+     *  the golden ratio (Knuth, The Art of Computer Programming, volume 3, section 6.4). */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! Locality-preserving hash: grows by 1 every `step` bytes, so that neighboring blocks never share an entry. A hash
-     *  of the address shifts each range of 256 KiB: blocks at equal distances would otherwise share few entries. */
+    /*! Locality-preserving hash: grows by 1 every `step` bytes, so that neighboring blocks of at least `step` bytes
+     *  have different entries, except across multiples of 256 KiB. A hash of the address shifts each range of 256 KiB:
+     *  blocks at equal distances would otherwise share few entries. */
     __forceinline size_t localityHashOfBlock (const void* block, size_t step) {
       return size_t(block)/step + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }

@@ -5,7 +5,7 @@
 
 /* Memory that the commit of a geometry allocates without calling the application's memory monitor
  * (rtcSetDeviceMemoryMonitorFunction), which could refuse it: programs do not expect the commit of a geometry to fail.
- * The commit of the scene reports the memory (ReportedMemory), and fails if the application refuses it. */
+ * The build of the blocks reports what is still allocated (ReportedMemory), and fails if the application refuses it. */
 
 #include "../embree/scene.h"
 

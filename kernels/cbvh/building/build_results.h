@@ -66,7 +66,7 @@ namespace embree
         statistics.merge(taskStatistics);
       }
 
-      /*! Concatenates the lists in the order of primitives, patches and strips, and frees them. */
+      /*! Concatenates the lists in the order of primitives, patches and strips, and frees them. prims, boxes: empty. */
       void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
         std::sort(lists.begin(),lists.end(),

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The faces of a cage as a source of patches (surface/source.h). Patches become blocks of the requested kind or cVERT,
- * or Embree's grids if blocks do not support their edge rates or the geometry is not compressed. */
+/* The faces of a cage as a source of patches (surface/source.h). Patches become blocks of the requested kind, or of
+ * another one if it cannot represent them (framed/writer.h). They become Embree's grids if the geometry is not
+ * compressed, if blocks do not support their edge rates, or where a block has no valid frame. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -33,7 +34,7 @@ namespace embree
 
       size_t size () const { return mesh->size(); }
 
-      /*! Exact unless a bound on the error selects frame levels, or faces fall back to cVERT. */
+      /*! Exact unless a bound on the error selects frame levels, faces fall back to cVERT, or blocks are left out. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -167,7 +168,7 @@ namespace embree
 
       SubdivMesh* mesh;
       const CompressionPlan& plan;
-      mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
+      mvector<unsigned char> frameLevel;      //!< by face; empty unless maxErrorSetsFrameLevel()
       std::unique_ptr<CageBorders> borders;   //!< null unless faces share borders, and after release()
     };
   }

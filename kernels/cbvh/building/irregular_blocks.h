@@ -28,7 +28,7 @@ namespace embree
         return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
       }
 
-      /*! borders: borders of the geometry's grids, valid until release(), or null */
+      /*! borders: borders of the geometry's grids, which must remain valid until build() returns, or null */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress) {
         triangles.prepare(borders,[&] { progress(0.0); });
@@ -93,8 +93,8 @@ namespace embree
           [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
-      /*! Halves batches that are too large for a task. Returns false if there is none. depth: number of previous
-       *  calls. */
+      /*! Splits each batch that is too large for a task in two. Returns false if there is none. depth: number of
+       *  previous calls. */
       bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& batches)
       {
         std::vector<size_t> halves(batches.size(),0);

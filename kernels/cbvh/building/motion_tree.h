@@ -33,7 +33,7 @@ namespace embree
       LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1, set by build()
       size_t bytes = 0;                  //!< size of the nodes
 
-      /*! Returns the root, allocated in `memory`. progress() may throw to cancel. */
+      /*! Returns the root, allocated in `memory`; emptyNode without blocks. progress() may throw to cancel. */
       template<typename Progress>
       NodeRef build (Device* device, FastAllocator& memory, const mvector<Block>& blocks, const Progress& progress)
       {
@@ -101,8 +101,8 @@ namespace embree
         }
 
       private:
-        /*! Widens a range, because Embree's builder omits a block from a part of the time if it ends within 1e-4 of the
-         *  part's beginning, or begins as close to its end. */
+        /*! Widens a range, because Embree's builder omits a block from a part of the time if it ends at most 1e-4 times
+         *  its end after the part's beginning, or begins as close to the part's end. */
         static BBox1f widened (const BBox1f& range) {
           return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,
             range.upper < 1.0f ? range.upper*1.0002f : range.upper);
@@ -198,11 +198,11 @@ namespace embree
         return double(f) <= x ? f : std::nextafter(f,-largest);
       }
 
-      /*! Planes of a child, lower + time*difference in floats, widened by a bound of traversal's rounding errors. In
-       *  units of 2^-24 of the sum of both absolute values: the sum is rounded by 1, the product by 1 if it is not
-       *  fused, and the stored difference by 1. The block derives its position between two steps from the ray's time
-       *  with 4 roundings, each worth at most the difference. The vertices at that position are rounded by 3. The total
-       *  is less than 16. */
+      /*! A plane of a child's box, at0 + time*difference in floats, moved outwards by a bound of traversal's rounding
+       *  errors. In units of 2^-24 of the sum of both absolute values: the sum is rounded by 1, the product by 1 if it
+       *  is not fused, and the stored difference by 1. The block derives its position between two steps from the ray's
+       *  time with 4 roundings, each worth at most the difference. The vertices at that position are rounded by 3. The
+       *  total is less than 16. */
       struct Planes
       {
         float at0, difference;
