@@ -36,7 +36,7 @@ from pathlib import Path
 
 SCENE = Path(__file__).resolve().parent / "bumpy_sheet.py"
 SKIP = 77
-# Limit of dark pixels, of 230400. The default darkens 2055 by up to 17%, 1/36 of an edge darkens 49693 by up to 80%.
+# Limit of dark pixels, of 230400. 1/512 of an edge darkens 2055 by up to 17%, 1/36 darkens 49693 by up to 80%.
 MOST_DARK = 400
 MOST_DARKENING = 0.15
 COMPRESSIONS = ["default", "36", "512", "2048", "lossless"]

@@ -262,6 +262,18 @@ TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
   EXPECT_GT(refused, 500u);
 }
 
+TEST(ClusterCodec, DgfRefusesTrianglesThatAreTooLarge)
+{
+  std::unique_ptr<LatticePoints> points(new LatticePoints);
+  std::unique_ptr<dgf::Block> block(new dgf::Block);
+  Grid grid(1, 1);
+  for (float size : {65535.0f, 65537.0f}) { // 16 and 17 bits per axis
+    grid.vertices = {{0, 0, 0}, {size, 0, size}, {0, size, 0}, {size, size, size}};
+    ASSERT_TRUE(place(grid, *points));
+    EXPECT_EQ(block->write(QuadTriangles(grid.points(), grid.width, {0, 0, 1, 1}, true), *points, 0), size < 65536);
+  }
+}
+
 TEST(ClusterCodec, TrianglesReportTheirIndexInPart)
 {
   Random random(186);

@@ -63,14 +63,14 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Bounds of a hit's distance: distances of the vertices along the largest axis. */
+        /*! Bounds of a hit's distance, from the vertices on axis kz. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
           return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
         }
 
-        /*! Distance of the hit. Requires contains(). */
+        /*! See distanceOfHit. Requires contains(). */
         __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
         {
           const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };

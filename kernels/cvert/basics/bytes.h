@@ -6,7 +6,7 @@
  *
  *   CVERT_POINTER(Type)       address of a struct, or of any bytes if Type is void
  *   CVERT_AS(Type,address)    converts an address to the address of a struct
- *   CVERT_AT(Type,address)    the struct at an address; GLSL can only read single members of it
+ *   CVERT_AT(Type,address)    the struct at an address, read-only
  *   CVERT_READABLE(Type,A)    after a struct: enables CVERT_AT in GLSL, for addresses that are multiples of A bytes
  *   CVERT_IN(Type)            type of a read-only parameter that is too large to copy
  *   CVERT_PRECISE             before a local float: GLSL neither reorders nor fuses its operations */

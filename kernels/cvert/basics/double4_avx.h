@@ -39,8 +39,11 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   inline Double4 toDouble(Int4 a) { return _mm256_cvtepi32_pd(a.v); }
+
+  /* Return the first operand if an operand is NaN. */
   inline Double4 min(Double4 a, Double4 b) { return _mm256_min_pd(b.v,a.v); }
   inline Double4 max(Double4 a, Double4 b) { return _mm256_max_pd(b.v,a.v); }
+
   inline Double4 abs(Double4 a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0),a.v); }
   inline Double4 select(Mask4 m, Double4 a, Double4 b) { return _mm256_blendv_pd(b.v,a.v,m.v); }
   inline Float4 toFloat(Double4 a) { return _mm256_cvtpd_ps(a.v); }

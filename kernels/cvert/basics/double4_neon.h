@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  /* Return the first operand if an operand is NaN, as in SSE2. */
+  // vminq_f64 and vmaxq_f64 would return NaN
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Vectors of four floats or integers, for encoders. Results equal those of scalar code, so that all instruction sets
- * encode the same bytes. Requires -ffp-contract=off. CVERT_PORTABLE selects plain C++ instead of SSE and NEON.
- * lanes_sse.h documents the functions. */
+ * encode the same bytes. Requires -ffp-contract=off where compilers could fuse multiplications and additions.
+ * CVERT_PORTABLE selects plain C++ instead of SSE and NEON. lanes_sse.h documents the functions. */
 
 #if defined(CVERT_PORTABLE)
 #include "lanes_portable.h"

@@ -18,7 +18,7 @@ namespace cvert
     DAMAGED,           //!< the bytes contradict each other or the format
     UNSUPPORTED,       //!< version or feature that this library cannot read
     INVALID_ARGUMENT,
-    INVALID_OPERATION  //!< wrong state, or disk full
+    INVALID_OPERATION  //!< wrong state, or a failed write, as to a full disk
   };
 
   /*! Why bytes are rejected. Converts to true if there is a reason, to false if the bytes are valid. */
@@ -40,6 +40,7 @@ namespace cvert
 
     explicit operator bool () const { return code != ErrorCode::NONE; }
 
+    /*! Empty without a reason. */
     std::string message () const;
 
     ErrorCode code;

@@ -10,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Coordinates of at least this magnitude count as not finite, as in Embree (FLT_LARGE): areas would overflow. */
+  /*! Coordinates of at least this magnitude count as not finite, as in Embree (FLT_LARGE), so areas cannot overflow. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;

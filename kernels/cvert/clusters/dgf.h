@@ -26,7 +26,8 @@ namespace cvert
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! bits: receives the bits of offsets per axis. Returns their sum, in DGF a multiple of 4. */
+    /*! bits: receives the bits of offsets per axis. Returns their sum, in DGF a multiple of 4. Requires a span that is
+     *  empty or fits(). */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -38,8 +39,8 @@ namespace cvert
     /*! Bits of an index, 3 to 6. highest: largest index of a reused vertex. */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitWidth(highest); }
 
-    /*! True if a block has room. vertexBits: bits per vertex. indices: of the strip. reused: indices of earlier
-     *  vertices. */
+    /*! True if a block has room. vertexBits: bits per vertex. indices: number of indices of the strip; `reused` of them
+     *  refer to earlier vertices. */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
                          uint32_t bitsOfIndex)
     {
@@ -67,8 +68,8 @@ namespace cvert
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! Encodes a cluster of at least one triangle. primitives: primitive number of its first triangle. Returns false
-       *  if there is no room. */
+      /*! Encodes a cluster of at least one triangle. primitives: primitive number of its first triangle, below
+       *  maxPrimitives. Returns false if there is no room or offsets do not fit. */
       bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
       {
         if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
@@ -78,10 +79,10 @@ namespace cvert
         numberVertices();
         LatticeSpan span;
         for (uint32_t i=0; i<numVertices; i++) span.add(points.at[cluster.vertices[order[i]]]);
+        if (!span.fits()) return false;
         uint32_t bits[3];
         const uint32_t vertexBits = offsetBits(span,bits), bitsOfIndex = indexBits(highestReused);
-        if (!span.fits() || !hasRoom(numVertices,numTriangles,vertexBits,numIndices,numReused,bitsOfIndex))
-          return false;
+        if (!hasRoom(numVertices,numTriangles,vertexBits,numIndices,numReused,bitsOfIndex)) return false;
 
         memset(bytes,0,sizeof(bytes));
         const uint32_t magic = 6, isOpaque = 1;

@@ -23,8 +23,8 @@ namespace cvert
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
-    /*! Converts columns x rows vertices. stride: vertices per row of the input. Returns false if the formats would
-     *  round them. */
+    /*! Converts columns x rows vertices, at most maxSide each. stride: vertices per row of the input. Returns false if
+     *  the formats would round them. */
     bool set (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
@@ -117,7 +117,7 @@ namespace cvert
       return true;
     }
 
-    /*! Bits of offsets on axis k, 1 to 16. */
+    /*! Bits of offsets on axis k, 1 to 16 if fits(). */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitWidth(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -47,7 +47,8 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! Box of group g, see BoxPlanes. info, margins: of the segment that begins or ends with this step. */
+    /*! Box of group g at the step, see BoxPlanes. Later steps that are raw have none. info, margins: of the segment
+     *  that begins or ends with the step; by default, of the first segment. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->info,(const uint8_t*)block + layout.margins,lower,upper);
     }

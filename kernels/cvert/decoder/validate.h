@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Validates bytes that may be a cVERT block: sizes, numbers of bits and offsets, which decoders do not check. Other
- * fields may have any value. */
+/* Validates bytes that may be a cVERT block: all that decoders do not check. Coordinates, margins, bounds and primitive
+ * numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
         : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
-    /*! end: receives the end of the step, in bytes from the start of the block, here and below. */
+    /*! end: receives the end of the step, in bytes from the start of the block. */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
@@ -97,7 +97,7 @@ namespace cvert { inline namespace CVERT_ISA
                                 header.region,bytes,end);
     }
 
-    /*! end: end of the fields; receives the end of the remainders */
+    /*! end: end of the fields; receives the end of the remainders, both from the start of the block or later step. */
     static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes,
                                      size_t& end)
     {

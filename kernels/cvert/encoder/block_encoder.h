@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Lossless encoder of a static cVERT block (format/block.h), and base of motion_encoder.h. Blocks are smaller if
- * callers snap vertices to a lattice first (lattice.h). */
+/* Lossless encoder of a static cVERT block (format/block.h), except that -0 may become 0, and vertices that are not
+ * finite become NaN. Base of motion_encoder.h. Blocks are smaller if callers snap vertices to a lattice first
+ * (lattice.h). */
 
 #include "box_encoder.h"
 
@@ -40,12 +41,13 @@ namespace cvert { inline namespace CVERT_ISA
   class VertEncoder : public BlockVertices
   {
   public:
-    /*! Upper bound of a block's size. */
+    /*! Upper bound of the bytes that encode() writes. NumbersEncoder may append more. */
     static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-    /*! block: receives the block, at least maxBytes. Adds to `statistics`. Returns the size in bytes, a multiple of 4,
-     *  or 0 if no vertex is finite. The caller sets VertHeader::surface and primID. */
+    /*! block: maxBytes, aligned to 4. Adds to the sums of `statistics`, and sets `raw` if there is a block. Returns the
+     *  size in bytes, a multiple of 4, or 0 if no vertex is finite. The caller then sets VertHeader::surface and
+     *  primID. */
     size_t encode (const VertPlacement& placement, uint8_t* block, VertStatistics& statistics)
     {
       setSize(placement.region);
@@ -71,9 +73,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   protected:
-    /*! Writes everything but boxes. Requires chooseSpacings(). Returns false if a raw block is smaller. Calls
-     *  onCell(g,cell) before encoding a cell, with g = -1 for the first cell, and again for all cells if it starts over
-     *  with coarser spacings. */
+    /*! Writes everything but boxes. Requires chooseSpacings(). Returns false if the block must be raw: it would
+     *  not be smaller, or a spacing is too large. Calls onCell(g,cell) before encoding a cell, with g = -1 for the
+     *  first cell, and again for all cells if it starts over with coarser spacings. */
     template<typename OnCell>
     bool pack (const VertPlacement& placement, uint32_t info, uint8_t* block, const OnCell& onCell)
     {

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Vertices of a cVERT block at a time step, converted to coordinates and remainders of format/block.h. Encoders call
- * computeBounds(), chooseSpacings() and computeCoordinates(), in this order.
+ * setSize(), computeBounds(), chooseSpacings() and computeCoordinates(), in this order.
  *
  * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices. If the block's
  * spacing, also a power of two, is larger than the step, vertices have remainders. */
@@ -70,7 +70,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-    /*! Finds the smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
+    /*! Sets spacings to the steps, or to the least spacings that coordinates allow if these are larger. Requires finite
+     *  vertices. Returns false if the block must be raw. */
     bool chooseSpacings ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
@@ -136,7 +137,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Writes origin, spacings and corners into the zeroed members of a header. */
+    /*! Writes origin, spacings and corners into a header, whose bits for spacings and corners must be 0. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -162,11 +163,11 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! On an axis stored as floats, coordinates serve only boxes. They are less than 2^(unitsOfFloats+1), so that they
+    /*! On an axis stored as floats, coordinates serve only boxes. They are at most 2^(unitsOfFloats+1), so that they
      *  need few bits. */
     static const int unitsOfFloats = 6;
 
-    /*! Bits of integers in findSteps, without sign. Differences fit into an int. */
+    /*! Highest bit of integers in findSteps. Differences fit into an int. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponents of the steps
@@ -252,7 +253,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Chooses the bits of remainders for the current spacings. Returns false if a spacing is too large. */
+    /*! Chooses the bits of remainders for the current spacings, and enlarges the spacing of an axis that needs floats.
+     *  Returns false if a spacing is too large. */
     bool setRemainders ()
     {
       for (int k=0; k<3; k++)

@@ -14,7 +14,8 @@ namespace cvert { inline namespace CVERT_ISA
   class BoxEncoder
   {
   public:
-    /*! Chooses the shear. first, second: the block at the segment's beginning, and at its end if it moves. */
+    /*! Chooses the shear. first, second: the block at the segment's beginning, and at its end if it moves. They must
+     *  not change until encodeBounds() returns. */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -101,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
       int below, above;  //!< upper bounds of what remainders subtract and add
       int at[BlockVertices::maxVertices];
 
-      /*! Returns false if decoders, which compute in float, would have to round. */
+      /*! Returns false if decoders, which compute in float, might round. */
       bool set (const BlockVertices& block, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
@@ -196,7 +197,8 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t width, first, x, y; //!< vertices per row of the block, first vertex, quads per side
     };
 
-    /*! Chooses the shear in which the quads' mean plane is flat, or none if groups do not become flatter. */
+    /*! Chooses the shear in which the quads' mean plane is flat, or none if groups do not become flatter or decoders
+     *  might round. */
     Shear chooseShear ()
     {
       double n[3] = { 0,0,0 };
@@ -271,6 +273,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at both ends; only set if there is a shear
+    Heights heights[2];         //!< at both ends; only valid if there is a shear
   };
 }}

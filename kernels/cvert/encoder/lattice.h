@@ -24,11 +24,11 @@ namespace cvert { inline namespace CVERT_ISA
    *  their bytes mostly headers. */
   static constexpr unsigned fullSpacingQuads = 16;
 
-  /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
-   *  geometry. For objects of few, large quads. */
+  /*! Upper bound of the default spacing of other faces, as a fraction of the geometry's diagonal, invisible in a
+   *  picture of the whole geometry. For objects of few, large quads. */
   static constexpr double spacingPerDiagonal = 1.0/32768;
 
-  /*! Lower bound of that spacing, as a fraction of the edge: residuals must fit into their fields. */
+  /*! This bound is at least this fraction of the edge: residuals must fit into their fields. */
   static constexpr double minSpacingPerEdge = 1.0/96;
 
   /*! Spacing for an application's grids. On slopes of up to 45 degrees, rays that start 1/200 of an edge above the
@@ -61,7 +61,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct WorldLattice
   {
     float spacing;   //!< 0 for losslessExponent
-    float reciprocal, limit; //!< 1/spacing; floats of at least `limit` are lattice points
+    float reciprocal, limit; //!< 1/spacing; magnitude from which on all floats are lattice points
 
     explicit WorldLattice (int exponent)
       : spacing(exponent == losslessExponent ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),

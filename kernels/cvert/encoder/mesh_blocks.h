@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes a triangle mesh as mesh blocks: snaps vertices, clusters triangles, and omits those that no ray can hit. */
+/* Encodes a triangle mesh as mesh blocks: snaps vertices, omits triangles that no ray can hit, and clusters others. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -24,8 +24,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = losslessExponent;  //!< of the lattice's spacing, or losslessExponent
-    uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
+    int exponent = losslessExponent;  //!< minLatticeExponent to maxLatticeExponent, or losslessExponent
+    uint32_t groupTriangles = 16; //!< triangles per full group, a power of two up to maxGroupTriangles
     uint32_t surface = 0;         //!< surface number of the blocks (format/limits.h)
   };
 
@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
     size_t degenerateTriangles = 0; //!< omitted because they have no area
-    size_t finerVertices = 0;       //!< exceptions of MeshLattice
+    size_t finerVertices = 0;       //!< exceptions of MeshLattice, also from earlier calls of encode()
   };
 
   class MeshBlocks

@@ -6,8 +6,8 @@
 /* Lossless encoder of a mesh block (format/mesh_block.h), except that -0 may become 0. Callers may snap corners to a
  * lattice first (mesh_lattice.h). Equal corners become one vertex.
  *
- * The spacing on an axis is the largest power of two that divides all vertices. The axis stores ranks (rankOfFloat) if
- * coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
+ * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. The axis
+ * stores ranks (rankOfFloat) if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_clusters.h"
@@ -44,7 +44,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Encodes as many triangles as fit into a block. ends: see MeshGroups; groups with too many triangles, vertices or
      *  strips are divided. stored: receives the number of encoded triangles. block: maxBytes, aligned to 4. Returns the
-     *  size in bytes, a multiple of 4. */
+     *  size in bytes, a multiple of 4. The caller then sets meshHasQuads, if necessary. */
     size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
       uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
     {
@@ -241,7 +241,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Replaces ranks by coordinates on an axis that does not need ranks, after chooseCoordinates(). */
+    /*! Computes coordinates on axis k, in place of ranks. Requires fitsLattice. */
     void useLattice (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), least = double(origin[k]);
@@ -249,7 +249,7 @@ namespace cvert { inline namespace CVERT_ISA
       isRanked[k] = false;
     }
 
-    /*! Bits of all fields on an axis. values: coordinates or ranks. */
+    /*! Bits of all fields on an axis, or 2^64-1 if coordinates have too many. values: coordinates or ranks. */
     uint64_t bitsOnAxis (const uint32_t* values, bool ranked) const
     {
       uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
