@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Layout of a scene in device memory, shared by C++ and GLSL: host/scene.cpp writes it, shaders read it. SceneData
- * refers to everything else. Blocks are the same bytes as on the CPU. */
+ * refers to everything else. Compressed blocks are the same bytes as on the CPU. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -20,7 +20,7 @@ CBVH_BEGIN
 /*! Bytes of a node: per child a lower and an upper plane per axis, and a reference. */
 CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
-/*! Also with the planes' motion and each child's time interval. */
+/*! Bytes of a moving node, which also has the planes' motion and each child's time interval. */
 CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
 /*! A scene. Addresses are device addresses of arrays. References are defined in base/reference.h. */
@@ -66,14 +66,14 @@ struct BlockData
   uint32_t padding;
 };
 
-/*! A triangle mesh or an instance. For other geometries only the mask is set. */
+/*! A triangle mesh or an instance. For other geometries only `mask` and `isRobust` are set. */
 struct GeometryData
 {
   CBVH_ADDRESS vertices, indices;
   uint32_t vertexStride, indexStride;  //!< in words
   uint32_t mask;
   uint32_t isRobust;         //!< test triangles as in Embree's robust scenes
-  float worldToLocal[12];    //!< 3x4, column by column
+  float worldToLocal[12];    //!< 3x4, column by column; undefined if moving
   uint32_t root;             //!< root of the instanced scene
   uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0
   /* Motion of an instance, linear between the steps. */

@@ -56,7 +56,7 @@ public:
   /* Uses a device that the application opened and continues to own. */
   Device(RTCDevice embree, const RTCVulkanDeviceHandles& applicationHandles);
 
-  /* Submits the commands that record() records, and waits. */
+  /* Submits the commands that record() records, and waits. record: see submit. */
   void run(const std::function<void(VkCommandBuffer)>& record);
 
   /* Commands that the device executes. The caller must pass each submission to waitAndFree. */
@@ -68,7 +68,7 @@ public:
   /* record() must not submit commands or compile pipelines, because the mutex is locked. */
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
-  bool isDone(const Submission& submission) const;
+  bool isDone(const Submission& submission) const;   // true also if the device failed
 
   /* Waits until a submission is done or the device is lost, and frees it. Never throws. */
   void waitAndFree(const Submission& submission);

@@ -17,7 +17,7 @@ using cbvh::LeafBox;
 
 struct LeafBoxes
 {
-  uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangle meshes, because a leaf may contain several
+  uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangles, because a leaf may mix meshes
   std::vector<LeafBox> boxes;   // in Morton order
 
   /* The boxes as input of a driver's build: transformed, and enlarged for the rounding errors of drivers. */

@@ -23,8 +23,8 @@ public:
   /* what: contents of the buffer, for messages. */
   Buffer(Device& device, size_t bytes, Kind kind, const char* what);
 
-  /* Imports host memory, which must remain valid. begin and bytes must be multiples of
-   * Capabilities::importAlignment. */
+  /* Imports host memory, which must outlive the buffer. Requires RTCVulkanDeviceHandles::hasHostImport. begin and bytes
+   * must be multiples of Capabilities::importAlignment. Does not set `mapped`. */
   Buffer(Device& device, void* begin, size_t bytes);
 
   ~Buffer();
@@ -76,7 +76,7 @@ private:
   std::vector<Copy> copies;
 };
 
-/* Allocates slices of shared buffers, aligned to 16 bytes, because devices support few allocations. Large slices get
+/* Allocates slices, aligned to 16 bytes, of shared buffers, because devices support few allocations. Large slices get
  * buffers of their own. */
 class Arena
 {

@@ -14,7 +14,8 @@
 
 namespace embree { namespace vulkan {
 
-/* The Vulkan loader and an instance. The constructor throws VulkanError if Vulkan is not installed. */
+/* The Vulkan loader and an instance. The constructor throws VulkanError if there is no loader or no working
+ * driver. */
 class VulkanInstance
 {
 public:
@@ -46,22 +47,22 @@ struct Capabilities
   VkPhysicalDeviceMemoryProperties memory;
   size_t maxAllocation = 0;         // largest allocation, in bytes
   size_t importAlignment = 4096;    // of host memory that is imported
-  uint32_t timestampBits = 0;       // valid bits of the compute family's timestamps; 0 without timestamps
-  uint8_t cacheID[VK_UUID_SIZE];    // identifies the driver version that cached pipelines are for
+  uint32_t timestampBits = 0;       // valid bits of the queue's timestamps; 0 without timestamps
+  uint8_t cacheID[VK_UUID_SIZE];    // identifies the device and driver version of cached pipelines
 };
 
-/* Reads the properties of a device. If the device cannot be used, info.unsupported contains the reason, and other
+/* Reads the properties of a device. If the device cannot be used, info.unsupportedReason contains the reason, and other
  * members may keep their defaults. Throws VulkanError if the driver fails. */
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Same, but if the driver fails, sets info.name, info.unsupported and driverError: a broken driver must not hide other
- * devices. */
+/* Same, but if the driver fails, sets info.name, info.unsupportedReason and driverError: a broken driver must not hide
+ * other devices. */
 Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Throws VulkanError if there is no such device. selector: see rtcNewVulkanDevice. */
+/* Throws VulkanError if no supported device fits. selector: see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& selector);
 
-/* Creates a device with one compute queue and the required features. */
+/* Creates a device with one compute queue, the required features, and the optional ones that it supports. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

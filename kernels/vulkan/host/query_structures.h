@@ -31,7 +31,7 @@ struct QueryStructures
 class QueryStructuresBuilder
 {
 public:
-  /* previous: the scene's structures before it was edited, which are updated if possible, or NULL. */
+  /* previous: structures of the scene before an edit, from which new ones are updated if possible, or NULL. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 

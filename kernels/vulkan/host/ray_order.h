@@ -17,7 +17,7 @@ size_t rayOrderBytes(size_t count);
 struct RaysToOrder
 {
   VkDeviceAddress rays;      // each begins with origin, tnear and direction, as RTCRay
-  size_t rayBytes, count;
+  size_t rayBytes, count;    // count: not 0
   VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
 };
 

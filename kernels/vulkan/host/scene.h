@@ -16,7 +16,7 @@ struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
   bool usesRayQuery = false;              // trace by ray queries
-  class Scene* previousScene = nullptr;   // scene before an edit, whose acceleration structures are updated, or NULL
+  class Scene* previousScene = nullptr;   // scene before an edit, to update acceleration structures from, or NULL
 };
 
 class Scene : public RefCounted
@@ -28,7 +28,7 @@ public:
   Device& device;
   const ScopedRef<Device> held;       // first: the device must outlive the buffers
   VkDeviceAddress address = 0;   // device address of SceneData
-  uint32_t kinds = 0;            // mask of the types of references that the scene contains
+  uint32_t kinds = 0;            // mask of the types of references that the scene contains, without nodeReferenceType
   const bool usesRayQuery;
   RTCVulkanSceneStatistics statistics{};
 

@@ -148,7 +148,7 @@ struct CbvhLeafHit
 };
 
 /* Stores the hit and returns true if it is nearer than the stored one by framed/nearest_hit.h, without its order of
- * faces. framed: that rule's `t` and `own` of the stored hit. numLeaves: per side. */
+ * blocks. framed: comparedT and hitT of that rule for the stored hit. numLeaves: per side. */
 bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
                  CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
@@ -229,7 +229,7 @@ bool cbvhFramedGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset,
   return found;
 }
 
-/* Intersects a block. kind: of the block; a constant if the scene contains only one kind. */
+/* Intersects a block. kind: of the block; a constant if the scene contains only one kind with frames. */
 bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPreparedRay ray, const bool anyHit,
                       inout CbvhHit hit, inout vec2 framed)
 {
@@ -263,7 +263,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   uint nodeLevels = layout_.nodeLevels;
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
-  /* parameter of the nearest hit */
+  /* parameter of the nearest hit; in cLEAF, of this block only */
   float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhParameterAfter(local.segment, hit.t*rcpScale), 1.0) : 1.0;
   bool found = false;
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups, then the
- * vertices of groups whose box the ray hits in the order of the strips, and tests each triangle after its last
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups. In the
+ * groups whose boxes the ray hits, decodes vertices in the order of the strips, and tests each triangle after its last
  * vertex. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
@@ -88,8 +88,7 @@ struct CbvhMeshAxes
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Exponent of the largest ratio of spacings for which the sheared coordinate is exact. Beyond, it does not clip
- * rays. */
+/* Exponent of the largest ratio of spacings for which the sheared coordinate clips rays. */
 const int cbvhMaxMeshRatio = 30;
 
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)

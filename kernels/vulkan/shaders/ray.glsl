@@ -3,8 +3,8 @@
 
 /* Rays and hits.
  *
- * Functions with a parameter `hit` return true and update it if they find a hit nearer than hit.t. If anyHit, a
- * compile-time constant, is true, they return at the first hit. */
+ * Functions with a parameter `hit` return true and update it if they find a hit nearer than hit.t, or one at the same
+ * distance that replaces it. If anyHit, a compile-time constant, is true, they return at the first hit. */
 
 #ifndef CBVH_RAY_GLSL
 #define CBVH_RAY_GLSL
@@ -48,7 +48,7 @@ struct CbvhPreparedRay
   vec3 rcp;       // reciprocals of the direction, finite
   float tnear;    // not negative
   float tfar;     // end of the ray, independent of hits
-  float entryT;   // lower bound of the distance to the current leaf
+  float entryT;   // distance at which the ray enters the current leaf's bounds; hits may be slightly nearer
   uint mask;
   float time;     // finite; before all motion if the ray's time is not finite
   uint instID;    // instance that is being traversed, or CBVH_INVALID_ID

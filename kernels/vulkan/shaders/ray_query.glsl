@@ -82,8 +82,8 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
   if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
-/* Traces a ray through the library's top level. A power of two scales the direction's largest component into [1,2),
- * without rounding, because drivers may not support extreme lengths. */
+/* Traces a ray through the library's top level. A power of two scales the direction's largest component into [1,4),
+ * because drivers may not support extreme lengths. If that component is not a normal float, the ray misses. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
   CbvhNearestHit found = cbvhNoHit(ray);

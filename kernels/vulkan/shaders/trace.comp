@@ -27,7 +27,7 @@ layout(push_constant, scalar) uniform Arguments
   uvec2 scene;
   uvec2 rays;
   uvec2 order;     // pairs (key, index of a ray), or 0
-  uint first, count; // index of the first ray, number of rays
+  uint first, count; // index of the first ray or pair, number of rays
 } arguments;
 
 /* Layout of RTCRay and RTCRayHit, in words. */

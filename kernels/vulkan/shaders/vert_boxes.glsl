@@ -82,7 +82,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, Cbvh
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Tests the box of group g of a block that is not raw. c00 to c11: coordinates of the group's corners. */
+/* Tests the box of group g of a static block that is not raw. c00 to c11: coordinates of the group's corners. */
 bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar,
                           uint g, ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
@@ -95,7 +95,7 @@ bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay 
   return interval.from <= interval.to;
 }
 
-/* Tests the box of group g of a raw block. */
+/* Tests the box of group g of a static raw block. */
 bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

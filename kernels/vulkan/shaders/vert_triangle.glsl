@@ -71,8 +71,8 @@ struct CbvhVertHit
   vec3 Ng;
 };
 
-/* Returns true and sets `nearest` if the ray hits the triangle before tfar, the distance of the nearest hit of any
- * kind, or at the distance of `nearest` and before it in the order of keys. */
+/* Returns true and sets `nearest` if the ray hits the triangle and the hit counts, see classifyHit. tfar: end of the
+ * ray, or distance of its nearest hit of any kind. */
 bool cbvhIntersectTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
                             inout CbvhVertNearest nearest, out CbvhVertHit at)
 {

@@ -40,7 +40,7 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
 vec3 cbvhOrigin (StepView step_) { return vec3(step_.origin[0], step_.origin[1], step_.origin[2]); }
 vec3 cbvhSpacing (StepView step_) { return vec3(step_.spacing.at[0], step_.spacing.at[1], step_.spacing.at[2]); }
 
-/* For blocks without cells. */
+/* Placeholder for raw and moving blocks, whose vertices do not come from this cell. */
 CodedCell cbvhNoCell ()
 {
   CodedCell cell;
