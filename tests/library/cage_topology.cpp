@@ -353,7 +353,7 @@ TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
   EXPECT_GT(hits, 100u);
 }
 
-// An edge of three faces, one of which has a vertex without a position.
+// One of the three faces has a vertex without a position.
 TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
 {
   Device device;

@@ -149,7 +149,7 @@ FUNCTIONS = (
     Entry("claimOf", 2, BORDERS, {"[32 => 33]": "rates are far below 2^30, so the order of claims does not change"}),
     Entry("CageTopology::findOwners", 3, BORDERS),
     Entry("CageTopology::joinEdges", 2, BORDERS),
-    Entry("CageTopology::joinNonManifold", 1, BORDERS),
+    Entry("CageTopology::joinWithoutOpposite", 1, BORDERS),
     Entry("CageSide::half", 2, BORDERS),
     Entry("CageBorders::edgeOf", 2, BORDERS),
     Entry("CageBorders::storeOwnedPoints", 2, BORDERS),
