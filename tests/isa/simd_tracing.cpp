@@ -584,7 +584,7 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
   float tfar = INFINITY;
   for (const CountedHit* hit : order) {
     if (nearest.isBefore(hit->comparedT, hit->hitT, &hit->block, tfar, ids)) continue;
-    nearest.set(hit->comparedT, hit->hitT, &hit->block);
+    nearest.set(hit->comparedT, hit->hitT, &hit->block, hit->hitT);
     tfar = hit->comparedT;
   }
   return tfar;
@@ -625,9 +625,11 @@ TEST(NearestHit, EndOfRayIsEndOfItsHit)
   EXPECT_EQ(nearest.finalTfar(3), 3);
   EXPECT_TRUE(nearest.isBefore(3, 2.5f, &block, 2, ids));
   EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2, ids));
-  nearest.set(2, 1.5f, &block);
+  nearest.set(2, 1.5f, &block, 1.5f);
   EXPECT_EQ(nearest.finalTfar(2), 1.5f);
   EXPECT_EQ(nearest.finalTfar(1), 1) << "the later hit is nearer";
+  nearest.set(2, 1.5f, &block, 0.5f);
+  EXPECT_EQ(nearest.finalTfar(0.5f), 0.5f) << "a filter has decreased tfar";
 }
 
 } // namespace

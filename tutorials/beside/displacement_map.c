@@ -165,7 +165,7 @@ int main(int argc, char** argv)
 
   memset(&uv, 0, sizeof(uv));
   uv.values = corners[0];
-  uv.count = 4;
+  uv.numValues = 4;
   uv.stride = sizeof(corners[0]);
   uv.width = 2;
   uv.indices = uvIndices;

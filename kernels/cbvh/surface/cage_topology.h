@@ -159,8 +159,8 @@ namespace embree
         return BorderEnd(a,false) == BorderEnd(b,false) && BorderEnd(a,true) == BorderEnd(b,true);
       }
 
-      /*! Determines, with the vertices of a border, its shape at one end: the next vertex of the border, and the creases
-       *  at this end in the faces that are reached by crossing edges. */
+      /*! Determines, with the vertices of a border, its shape at one end: the next vertex of the border, and the
+       *  creases at this end in the faces that are reached by crossing edges. */
       struct BorderEnd
       {
         unsigned nextVertex;
