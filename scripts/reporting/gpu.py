@@ -12,7 +12,7 @@ from .noise import noise
 
 RAYS = {"coherent": "coherent", "incoherent": "incoherent", "coherent_any": "coherent, any hit"}
 RAYS |= {"incoherent_any": "incoherent, any hit"}
-SHARED_BUFFER = 2**20  # bytes of a shared buffer: Arena in kernels/vulkan/host/memory.cpp
+GRANULARITY = 2**20  # bytes: buffers of Arena in kernels/vulkan/host/memory.cpp are used in part
 MACHINE, PLACE = ["run_cpu", "run_hardware_threads"], ["scene", "view", "level", "quads"]
 SAME = [*PLACE, *MACHINE, "representation", "position"]
 SAME += [f"run_settings_{key}" for key in ("width", "height", "max_error_diagonals")]
@@ -54,7 +54,7 @@ def device_views(data):
 def least_memory(rows):
     """Returns the rows with the least memory, within the granularity of shared buffers; none if GRID or all rows are
     among them."""
-    found = rows[rows.held_bytes < rows.held_bytes.min() + SHARED_BUFFER]
+    found = rows[rows.held_bytes < rows.held_bytes.min() + GRANULARITY]
     return found[:0] if "GRID" in set(found.kind) or len(found) == len(rows) else found
 
 
