@@ -86,8 +86,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     void snap (const float p[3], float out[3]) const { snap(levelOf(p),p,out); }
 
-    /*! True if a triangle has area and its normal turns by less than 90 degrees wherever its corners snap to. May be
-     *  false for such triangles. */
+    /*! True only if a triangle has area and its normal turns by less than 90 degrees, whatever the levels of its
+     *  corners. May be false for such triangles. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -97,12 +97,12 @@ namespace cvert { inline namespace CVERT_ISA
       const float ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2];
       /* An edge changes by at most sqrt(3) s. The normal n therefore changes by at most sqrt(3) s (|e| + |f|) + 3 s^2,
        * and by less than 1e-6 |e| |f| due to rounding. The square of the sum of both is at most
-       * 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow and underflow make the result false. */
+       * 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow of both sides and underflow of nn make the result false. */
       return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
     }
 
     /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
-     *  Returns true for new exceptions: other triangles must then be checked again. */
+     *  Returns true if a level rises: other triangles must then be checked again. */
     bool refine (const float a[3], const float b[3], const float c[3])
     {
       if (isLossless || isRobust(a,b,c)) return false;

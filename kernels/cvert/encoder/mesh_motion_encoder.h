@@ -160,7 +160,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(coordinates[k],ranks,numVertices*sizeof(ranks[0]));
     }
 
-    /*! Subtracts predictions from coordinates on an axis. Returns the bits of all fields and bases. */
+    /*! Returns the bits of all fields and bases. */
     uint64_t subtract (int k, Residuals& out) const
     {
       const uint32_t spacings = spacingOf(k) << (8*k);

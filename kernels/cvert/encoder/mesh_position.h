@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool operator== (const MeshPosition& other) const { return std::memcmp(words,other.words,sizeof(words)) == 0; }
 
-    /*! The first three factors are primes of xxHash32. Tables use the upper bits of the result. */
+    /*! Tables use the upper bits of the result. */
     uint32_t hash () const
     {
       const uint32_t h = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);

@@ -33,7 +33,8 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Vertices of the next step, row by row, which the caller sets. */
     float (*vertices ())[3] { return current().vertices; }
 
-    /*! begin, end: times of the first and last step. out: for the block, at least maxBytes(numSteps). */
+    /*! begin, end: times of the first and last step. numSteps: 2 to maxTimeSteps. out: receives the block
+     *  until finish(), at least maxBytes(numSteps), aligned to 4. */
     void begin (const VertPlacement& placement, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
       this->placement = placement;
@@ -45,7 +46,6 @@ namespace cvert { inline namespace CVERT_ISA
       invalid.assign(size_t(vertQuadsX(placement.region))*vertQuadsY(placement.region),false);
     }
 
-    /*! Adds the step in vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
@@ -61,7 +61,8 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Vertices of the step that was added last. */
     const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
 
-    /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. */
+    /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. The caller sets
+     *  VertHeader::surface and primID. */
     size_t finish (MotionStatistics& out)
     {
       for (bool isInvalid : invalid) statistics.invalidQuads += isInvalid;

@@ -56,6 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
+    /*! Sets VertStep::matrix, and rotation with all other bits 0. */
     void write (VertStep& step) const
     {
       uint32_t bytes[3] = { 0,0,0 };

@@ -11,8 +11,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Snaps four consecutive vertices. Returns the largest squared distance, in spacings, by which a finite vertex
-   *  moved. */
+  /*! Returns the largest squared distance, in squared spacings, by which a finite vertex moved. */
   inline float snapFour(const WorldLattice& lattice, const float (*original)[3], float (*snapped)[3])
   {
     Float4 square[3];

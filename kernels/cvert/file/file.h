@@ -24,16 +24,17 @@ namespace cvert
     File& operator= (const File&) = delete;
 
     size_t size () const { return header()->numGeometries; }
-    const FileGeometry& geometry (size_t i) const { return ((const FileGeometry*)(data+header()->directory))[i]; }
 
+    /* References and pointers are valid while this object exists. */
+    const FileGeometry& geometry (size_t i) const { return ((const FileGeometry*)(data+header()->directory))[i]; }
     const char* tree (size_t i) const { return data+geometry(i).tree; }
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
-    /*! Validates a block that is not cVERT. bytes: from the block to the end of the geometry's blocks. */
+    /*! Validates a FILE_FRAMED block. bytes: from the block to the end of the geometry's blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
-    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: for blocks that
-     *  are not cVERT; without it only their checksum is compared. */
+    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: for
+     *  FILE_FRAMED blocks; without it only their checksum is compared. */
     void verify (const BlockCheck& other = BlockCheck()) const {
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
@@ -42,7 +43,7 @@ namespace cvert
     [[noreturn]] void failDamaged (size_t i, const std::string& why) const;
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
-    /*! The file's descriptor, which this object owns and closes. */
+    /*! Owned by this object. */
     int descriptor () const { return file; }
 
     const std::string path;

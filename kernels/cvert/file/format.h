@@ -41,7 +41,7 @@ namespace cvert
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
-  /*! Form of a geometry's tree: nodes, a list of a few blocks, or a list of moving blocks. */
+  /*! Form of a geometry's tree: nodes, a list of blocks, or a list of moving blocks. */
   enum FileForm : uint32_t { FILE_TREE = 0, FILE_LIST = 1, FILE_MOVING = 2 };
 
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Resolves an output path to a file that can be replaced, or to a device, pipe or descriptor of this process, which
- * must be written in place. Requires only POSIX: programs include it without the codec. */
+ * must be written in place. Requires only Linux: programs include it without the codec. */
 
 #include <cctype>
 #include <cerrno>
@@ -54,8 +54,8 @@ namespace cvert
 
     std::string path;     //!< after following links, also to files that do not exist yet
     Kind kind = NEW;
-    int descriptor = -1;  //!< of this process, if the path names one, for example /dev/stdout
-    struct stat status;   //!< undefined for a new file
+    int descriptor = -1;  //!< of this process, if the path names one, or if output is redirected to the file
+    struct stat status;   //!< undefined for a new file, and for a link of /proc to an open file
 
   private:
     /*! Replaces `path` by the target of its symbolic links. Returns true at a link of /proc to an open file, whose text

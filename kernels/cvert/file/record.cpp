@@ -24,7 +24,6 @@ namespace cvert
       return Reason();
     }
 
-    /*! record: of a geometry that moves. motion: of one of its blocks. */
     Reason validateMotion (const FileGeometry& record, const VertMotion& motion)
     {
       if (motion.numSteps != record.numTimeSteps)

@@ -14,7 +14,7 @@ namespace cvert
   /*! Passes the tree to a Sink, which defines
    *
    *    typedef Ref                                                        reference to a node or a block
-   *    Ref leaf (FileChild type, uint64_t offset)                         a block, offset bytes after the first
+   *    Ref leaf (FileChild type, uint64_t offset)                         a block; offset: from FileGeometry::blocks
    *    Node* beginNode ()                                                 before the children of a node are read
    *    void setChild (Node*, unsigned i, lower, upper, Ref)               child i with its box
    *    Ref endNode (Node*)

@@ -4,7 +4,7 @@
 #pragma once
 
 /* A file that is written next to its final path, and renamed when complete: readers never see a part of it. A lock
- * distinguishes it from files of killed processes. Requires only POSIX: programs include it without the codec. */
+ * distinguishes it from files of killed processes. Requires only Linux: programs include it without the codec. */
 
 #include "output_path.h"
 #include <algorithm>
@@ -136,8 +136,8 @@ namespace cvert
   private:
     void requireFile () const { if (output.kind == OutputPath::STREAM) throwErrno(EINVAL); }
 
-    /*! Creates and locks the file. Returns false if the caller must retry: the name exists, or the previous writer
-     *  renamed or removed the file. */
+    /*! Opens and locks the file. Returns false if the caller must retry: the name exists, or another process renamed,
+     *  removed or (with O_EXCL) locked the file. */
     bool open (const std::string& path, int flags)
     {
       const int opened = ::open(path.c_str(),O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags,0666);

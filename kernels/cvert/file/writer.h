@@ -34,12 +34,12 @@ namespace cvert
     std::vector<Block> blocks;
 
     /*! Appends a block, which must remain valid until the surface is written. type: neither FILE_NONE nor FILE_NODE.
-     *  Returns the child for a FileNode or FileEntry. */
+     *  Returns the child for a FileNode or FileEntry. Blocks must have the order of the tree. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surfaceOffset);
 
-    /*! Appends a cVERT block to a list, and extends the record's bounds by its vertices. Throws Error if record.form is
-     *  not FILE_LIST or FILE_MOVING, or if the block is damaged or has no finite vertex. The block must remain valid
-     *  until the surface is written. */
+    /*! Calls append() for a cVERT block, adds it to the list, and extends the record's bounds by its vertices. Throws
+     *  Error if record.form is not FILE_LIST or FILE_MOVING, or if the block is damaged, contradicts the record, or has
+     *  no finite vertex. */
     void appendToList (const void* block, uint32_t bytes);
 
   private:
@@ -49,19 +49,18 @@ namespace cvert
     uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
   };
 
-  /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, only the destructor
-   *  may be called. */
+  /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, add() and commit()
+   *  throw again. */
   class FileWriter
   {
   public:
-    /*! Throws if the file cannot be created. */
     explicit FileWriter (const std::string& path);
 
     /*! Starts a file, or continues one that a writer with the same key did not commit. key: identifies the source of
      *  the geometries. Throws if the file has another key, or another process writes it. */
     FileWriter (const std::string& path, uint64_t key);
 
-    /*! Deletes an uncommitted file, unless the writer has a key. */
+    /*! Deletes an uncommitted file, unless the writer has a key and the file a geometry. */
     ~FileWriter ();
 
     FileWriter (const FileWriter&) = delete;
@@ -71,10 +70,10 @@ namespace cvert
     void requireOpen () const;
 
     /*! Writes a geometry, and completes its record. Throws if the record is invalid or writing fails. Does not validate
-     *  blocks. */
+     *  tree and blocks. */
     void add (FileSurface& surface);
 
-    /*! Flushes the file and renames it to its path. */
+    /*! Flushes the file and renames it to its path. Requires a geometry. */
     void commit ();
 
     /*! Includes geometries of earlier writers. */

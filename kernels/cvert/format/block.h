@@ -14,9 +14,9 @@
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
  * with a power of two as spacing. Coordinates have 14 bits, coded in cells (cell.h). If vertices need more bits, the
- * lower ones are stored as remainders, or as floats on an axis that needs too many. Vertices are exact in float, fused
- * or not: the origin and the sum before the remainder are multiples of the spacing. Blocks therefore share vertices
- * exactly, which keeps surfaces watertight.
+ * lower ones are stored as remainders, or the vertices as floats on an axis that needs too many. Vertices are exact in
+ * float, fused or not: the origin and the sum before the remainder are multiples of the spacing. Blocks therefore share
+ * vertices exactly, which keeps surfaces watertight.
  *
  * A group's box is the box of its four corners, which are vertices of the first cell, enlarged by margins of 4 bits per
  * side. On one axis it bounds a sheared coordinate, so that inclined sheets have flat boxes.
@@ -142,10 +142,10 @@ CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 
 /* On the sheared axis, m, boxes bound
  *
- *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
+ *   h = d[m] + (s1 d[m+1] + s2 d[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the block's slopes. VertHeader::info stores the axis m and the slopes in the same
- * bits as a cell's word stores main axis and slopes: the accessors of cell.h apply to both. */
+ * where d is coordinate * spacing. VertHeader::info stores m and the slopes in the same bits as a cell's word stores
+ * main axis and slopes: the accessors of cell.h apply to both. */
 
 /*! Margins on an axis are multiples of 2^marginShift coordinates. */
 CVERT_FUNCTION uint32_t marginShift (uint32_t info, int axis) { return (info >> (4*axis)) & 15u; }
@@ -167,7 +167,7 @@ CVERT_FUNCTION int encodedBound (uint32_t bounds, int i)
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
-CVERT_CONSTANT uint32_t rawInfo = 3u << 12; //!< VertHeader::info of a raw block
+CVERT_CONSTANT uint32_t rawInfo = 3u << 12; //!< bits of VertHeader::info in a raw block
 CVERT_FUNCTION bool isRaw (uint32_t info) { return ((info >> 12) & 3u) == 3u; }
 
 /* Coordinates leave two bits free in each of the 12 values of corners. For value i, in order of corners:
@@ -185,7 +185,7 @@ CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint3
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
 
-/*! c4, c5: the last two words of corners. Steps of moving blocks have version 0. */
+/*! c4, c5: the last two words of corners. Later steps of moving blocks have version 0. */
 CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,15u) | cornerBits(c5,15u) << 2;
 }
@@ -263,7 +263,8 @@ CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, ui
 /* Word of remainders:
  *
  *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
- *   bits 16..31                offset of the remainders, in bytes from the start of the block
+ *   bit 15                     reserved, 0
+ *   bits 16..31                offset of the remainders, in bytes from the start of the block or later step
  *
  * Remainders are stored row by row, x, y and z of each vertex, without gaps. */
 
@@ -283,7 +284,7 @@ CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
-/*! Offset of a remainder, in bits from the start of the block. vertex: index, row by row. */
+/*! Offset of a remainder, in bits from the start of the block or later step. vertex: index, row by row. */
 CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);

@@ -10,7 +10,7 @@
 
 CVERT_BEGIN
 
-/*! Largest rate of an edge, and most quads per side of a patch. As in Embree. */
+/*! Largest rate of an edge, and most quads per side of a cage's patch. As in Embree. */
 CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 
 /*! Blocks begin at multiples of this, in bytes, in memory and in files. */

@@ -87,7 +87,6 @@ CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
-/*! True if coordinates on the axis are ranks. */
 CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
 /*! Position of a float in the sequence of all floats. Neighboring floats differ by 1. 0 has rank 2^31. */
@@ -128,7 +127,7 @@ CVERT_FUNCTION int meshShear (uint32_t info, int c1, int c2) {
   return (meshSlope(info,1u)*c1 + meshSlope(info,2u)*c2 + 8) >> 4;
 }
 
-/* Accessors of a group's byte in MeshHeader::groups (`group`) and of its record (`record`):
+/* Accessors of a group's byte in MeshHeader::groups (`group`) and of its record (`record`). Bits of a record:
  *
  *   bits 0..4      vertices
  *   bits 5..9      vertices that belong to the group

@@ -107,7 +107,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /*! Converts a predicted position to a coordinate of the step, modulo 2^32. origin, spacings: of the step. Clamps to
-   *  +-2^30, so that the conversion to an integer is defined. */
+   *  +-2^30 on an axis with a spacing, so that the conversion to an integer is defined. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
     const double minNormalFloat = 1.1754943508222875e-38;

@@ -35,7 +35,7 @@ struct VertStep
                           //!< bits; 27: has margins; 28..31: shift of bounds
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
-  uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: shift of the matrix; 19..22:
+  uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: see rotationShift; 19..22:
                           //!< shift of endBounds; 24..31: last entry of the matrix
   uint32_t matrix[2];     //!< other entries of the matrix, a byte each, row by row
   uint32_t bounds;        //!< at this step, as in VertHeader, in the shear of the segment that begins
@@ -66,13 +66,14 @@ CVERT_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, ui
 /*! True from the first step to the last, inclusive. */
 CVERT_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
-/*! The segment that contains a time, and the position in it from 0 to 1. Rounds as Embree does. */
+/*! A segment, and the position in it from 0 to 1. */
 struct TimeInMotion
 {
   uint32_t segment;
   float fraction;
 };
 
+/*! Requires isPresent(motion,time). Rounds as Embree does. */
 CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 {
   float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
@@ -83,7 +84,7 @@ CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
   return at;
 }
 
-/*! Interpolates bounds between the steps a and b. fraction: 0 to 1. */
+/*! fraction: 0 (a) to 1 (b). */
 CVERT_FUNCTION ShearedBounds interpolateBounds (ShearedBounds a, ShearedBounds b, float fraction)
 {
   float e = 1.0f-fraction;

@@ -33,7 +33,7 @@ struct VertNumbers
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. A table follows it. */
+/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. Precedes the table, if any. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
@@ -81,7 +81,7 @@ CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t numbering) {
   return patternOfNumbers(numbering) == numbersInTriangleTable ? 2u : 1u;
 }
 
-/*! Size of a table without padding. Readers may read 32 bits after its end. */
+/*! Size of a table without padding. Readers may read up to 7 bytes after its end. */
 CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
 /*! Primitive that a hit in a quad reports: the quad, or one of its triangles. */
@@ -91,7 +91,6 @@ struct QuadPrimitive
   uint32_t numbering; //!< of its block, with this triangle's first corner
 };
 
-/*! Parameters of a point on a primitive of the application. */
 struct PrimitiveParameters { float u, v; };
 
 /*! Converts position a, b in a quad to parameters of the application's quad or triangle. numbering: of

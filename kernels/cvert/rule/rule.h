@@ -98,8 +98,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipInterval (CVERT_OF(RayInterval
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. x, y, z: magnitudes. Without
- *  branches, which would be mispredicted. */
+/*! Axis of the largest magnitude, or the first of several. A comparison with NaN chooses the later axis. x, y, z:
+ *  magnitudes. Without branches, which would be mispredicted. */
 CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
@@ -137,8 +137,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! True if no side rounded to 0, for triangles that satisfy mayContain. minimum and maximum are nested differently,
- *  because compilers would otherwise generate a branch that is mispredicted. */
+/*! True if no side rounded to 0 and their sum is finite, for triangles that satisfy mayContain. minimum and maximum are
+ *  nested differently, because compilers would otherwise generate a branch that is mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) haveExactSigns (CVERT_OF(TriangleSides) sides)
 {
   return both(either(Real(0.0f) < minimum(sides.w0,minimum(sides.w1,sides.w2)),
@@ -201,7 +201,7 @@ CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 {
   ExactProduct p = exactProduct(ax,by), q = exactProduct(ay,bx);
   if (p.isNegative == q.isNegative) return p.isNegative ? -compareMagnitudes(p,q) : compareMagnitudes(p,q);
-  return p.isNegative ? -1 : 1; // 0 is not negative, so the other is not 0
+  return p.isNegative ? -1 : 1; // the negative product is not 0
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
@@ -279,7 +279,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
   return at;
 }
 
-/*! Distances of a triangle's nearest and farthest vertex along a ray. */
+/*! Distances along a ray, of vertices. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
 /*! The arguments are components on the axis on which the direction is largest. z0, z1, z2: of the vertices. Divides
@@ -361,10 +361,10 @@ CVERT_WIDE CVERT_INLINE uint32_t classifyHit (Wide distance, float tnear, float 
 /*! Orders triangles of a scene or an instance that are hit at the same distance. */
 struct TriangleKey
 {
-  uint32_t geomID, primID;
-  uint32_t region;     //!< of the block's VertHeader
+  uint32_t geomID, primID; //!< primID: of the block's header
+  uint32_t region;     //!< VertHeader::region, or MeshHeader::bytes, which has the same offset
   uint32_t triangle;   //!< 32 (column + 4 row) of the group in the block + 2 (column + 4 row) of the quad in the group
-                       //!< + 1 for the second triangle of the quad
+                       //!< + 1 for the second triangle of the quad; in a mesh block: 32 group + triangle
 };
 
 /*! True if a hit in a counts instead of a hit in b at the same distance. Makes results independent of the order in

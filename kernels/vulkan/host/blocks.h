@@ -30,7 +30,7 @@ struct UploadedSurface
   VkDeviceAddress addressOf(const void* data) const;
 };
 
-/* Keeps the memory of a scene's blocks alive. */
+/* Keeps the device memory of a scene's blocks alive. */
 struct BlockBuffers
 {
   std::vector<std::shared_ptr<Buffer>> own;
@@ -43,7 +43,8 @@ struct BlockBuffers
 /* Both functions set the addresses of `blocks`. They throw VulkanError if a block that is new to the device is damaged,
  * because shaders do not check offsets. */
 
-/* Imports the host memory that contains the blocks, without a copy. The scene must keep this memory alive. */
+/* Imports the host memory that contains the blocks, without a copy. The scene must keep this memory alive.
+ * Throws VulkanError, too, if the driver rejects it. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 
 /* Uploads blocks that are not on the device yet. */

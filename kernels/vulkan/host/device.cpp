@@ -250,7 +250,7 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 VkPipeline Device::pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, usesRayQuery, kinds, stackSize)]; // NULL if not compiled yet
+  VkPipeline& found = pipelines[std::make_tuple(query, usesRayQuery, kinds, stackSize)];
   if (found) return found;
 
   const Code code = codeOf(query, usesRayQuery, handles.hasFloat64);
