@@ -279,7 +279,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
   return at;
 }
 
-/*! Distances along a ray, of vertices. */
+/*! Distances of vertices along a ray. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
 /*! The arguments are components on the axis on which the direction is largest. z0, z1, z2: of the vertices. Divides
