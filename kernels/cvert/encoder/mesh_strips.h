@@ -57,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
     }
 
-    /*! Returns the candidate of the least degree. candidates: not 0. */
+    /*! candidates: not 0. */
     uint32_t leastConnected (uint32_t candidates) const
     {
       if ((candidates & (candidates-1)) == 0) return uint32_t(__builtin_ctz(candidates));

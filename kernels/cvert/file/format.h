@@ -50,7 +50,7 @@ namespace cvert
   enum FileCompression : uint32_t { FILE_COMPRESSION_GRID = 2, FILE_COMPRESSION_VOXEL = 3, FILE_COMPRESSION_LEAF = 4,
     FILE_COMPRESSION_VERT = 5 };
 
-  /*! Record of a geometry in the directory. */
+  /*! Record of the directory. */
   struct FileGeometry
   {
     uint64_t tree, treeBytes, blocks, blockBytes; //!< offsets and sizes

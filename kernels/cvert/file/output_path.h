@@ -18,7 +18,7 @@
 
 namespace cvert
 {
-  /*! Throws an exception whose what() is the text of an errno. */
+  /*! what() is the text of the errno. */
   [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
 
   inline std::string folderOf (const std::string& path)

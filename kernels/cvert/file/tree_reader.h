@@ -114,7 +114,7 @@ namespace cvert
     Reason reason;
     uint64_t next = 0;       //!< lowest valid offset of the next block
     uint64_t numBlocks = 0;
-    uint64_t numRead = 0;    //!< nodes that were read
+    uint64_t numRead = 0;    //!< nodes
   };
 
   /*! Calls visit(type,offset) for each block in the order of the file. Returns the tree's first error. */

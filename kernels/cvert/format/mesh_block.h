@@ -248,7 +248,6 @@ CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, ui
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo);
   uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
-  // last triangle up to t that does not keep the first vertex
   uint32_t lastUnfanned = highestBit((~fans | restarts) & upTo);
   uint32_t first = lastUnfanned + 2u*countBits(restarts & bitsUpTo(lastUnfanned)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));

@@ -19,7 +19,7 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Real is a float, or a vector of floats with a ray or quad per lane. See basics/language.h on Wide.
+ * See basics/language.h on Real and Wide.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 

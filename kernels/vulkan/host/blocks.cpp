@@ -18,14 +18,13 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPadding = 16;            // bytes after a block that shaders may read
+constexpr size_t readPadding = 16;            // bytes after a block that shaders may read, if isReadInWords
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
   return block.type == blockReferenceType(kindVert) || block.type == movingBlockReferenceType;
 }
 
-/* True if shaders may read beyond the block's end. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */

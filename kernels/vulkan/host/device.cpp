@@ -305,7 +305,7 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
-/* FNV-1a hash, to detect truncated and damaged cache files, on which drivers may crash. */
+/* FNV-1a hash, to detect damaged cache files, on which drivers may crash. */
 uint64_t Device::checksum(const std::vector<char>& data)
 {
   uint64_t sum = 0xcbf29ce484222325;
