@@ -237,6 +237,29 @@ TEST(CodecLibrary, ReportsErrors)
   writeBytes(folder/"altered", altered);
   const cvert::File file(folder/"altered");
   EXPECT_EQ(codeOf([&] { file.verify(); }), ErrorCode::DAMAGED);
+  FileBytes reserved(sound);
+  reserved.record(0).reserved[1] = 1;
+  reserved.fitChecksums();
+  writeBytes(folder/"reserved", reserved.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"reserved"); }), ErrorCode::UNSUPPORTED);
+  FileBytes unknown(sound);
+  cvert::FileGeometry& record = unknown.record(0);
+  ((cvert::VertHeader*)&unknown.bytes[record.blocks])->corners[4] ^= 1u << 15;
+  record.blocksChecksum = crc32c(&unknown.bytes[record.blocks], record.blockBytes);
+  unknown.fitChecksums();
+  writeBytes(folder/"unknown", unknown.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File(folder/"unknown").verify(); }), ErrorCode::UNSUPPORTED);
+  {
+    cvert::FileWriter writer(folder/"two");
+    writer.add(sheet.surface);
+    writer.add(Sheet(2).surface);
+    writer.commit();
+  }
+  FileBytes two(bytesOf(folder/"two"));
+  two.record(1).surface = two.record(0).surface;
+  two.fitChecksums();
+  writeBytes(folder/"two", two.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"two"); }), ErrorCode::DAMAGED);
 
   // blocks
   std::vector<uint64_t> block = sheet.blocks[0];

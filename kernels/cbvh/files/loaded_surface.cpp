@@ -71,7 +71,7 @@ namespace embree
           if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
             const BlockFormat format = formatOfBlock(typeOf(type));
             if (const Reason reason = mapped.validate(size_t(offset),format))
-              file.failDamaged(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+              file.fail(i,"the block at " + std::to_string(offset) + ": ",reason);
             mapped.setSurfaceNumber(size_t(offset),format);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
@@ -154,7 +154,7 @@ namespace embree
       SurfaceLoader loader(*file,i,*mapped,*surface);
       BVH4::NodeRef root;
       TreeReader<SurfaceLoader> reader(record,file->tree(i),loader);
-      if (const Reason reason = reader.read(root)) file->failDamaged(i,reason.message());
+      if (const Reason reason = reader.read(root)) file->fail(i,"",reason);
       if (record.form == FILE_TREE) {
         surface->root = isa::moveLargestNodes(root,size_t(reader.numNodes()),*surface->memory.pool());
         isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);

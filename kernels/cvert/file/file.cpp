@@ -9,6 +9,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <unordered_set>
 
 namespace cvert
 {
@@ -88,6 +89,7 @@ namespace cvert
       return Reason::damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
     if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry)))
       return Reason::damaged("is damaged: the checksum of its directory differs");
+    std::unordered_set<uint32_t> numbers;
     for (size_t i=0; i<h.numGeometries; i++)
     {
       const FileGeometry& g = geometry(i);
@@ -96,9 +98,16 @@ namespace cvert
       };
       if (!isPart(g.tree,g.treeBytes,0)) failDamaged(i,"its tree is outside of the file");
       if (!isPart(g.blocks,g.blockBytes,fileReadPadding)) failDamaged(i,"its blocks are outside of the file");
-      if (const Reason reason = validateRecord(g)) failDamaged(i,reason.message());
+      if (const Reason reason = validateRecord(g)) fail(i,"",reason);
+      if (!numbers.insert(g.surface).second) failDamaged(i,"its surface number is also another geometry's");
     }
     return Reason();
+  }
+
+  void File::fail (size_t i, const std::string& where, const Reason& reason) const
+  {
+    if (reason.code == ErrorCode::UNSUPPORTED) failUnsupported(i,where+reason.message());
+    failDamaged(i,where+reason.message());
   }
 
   void File::failDamaged (size_t i, const std::string& why) const {
@@ -122,8 +131,8 @@ namespace cvert
             : isMesh(type) ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
         if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
           reason = Reason::damaged("its surface number differs from its geometry's");
-        if (reason) failDamaged(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+        if (reason) fail(i,"the block at " + std::to_string(offset) + ": ",reason);
       });
-    if (reason) failDamaged(i,reason.message());
+    if (reason) fail(i,"",reason);
   }
 }

@@ -39,7 +39,8 @@ namespace cvert
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
 
-    /* Throw Error: geometry i is damaged, or not supported. */
+    /* Throw Error: geometry i is damaged, or not supported. where: begins the message. */
+    [[noreturn]] void fail (size_t i, const std::string& where, const Reason& reason) const;
     [[noreturn]] void failDamaged (size_t i, const std::string& why) const;
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
