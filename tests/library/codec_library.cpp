@@ -250,9 +250,10 @@ TEST(CodecLibrary, ReportsErrors)
   writeBytes(folder/"unknown", unknown.bytes);
   EXPECT_EQ(codeOf([&] { cvert::File(folder/"unknown").verify(); }), ErrorCode::UNSUPPORTED);
   {
+    Sheet moving(2);
     cvert::FileWriter writer(folder/"two");
-    writer.add(sheet.surface);
-    writer.add(Sheet(2).surface);
+    writer.add(moving.surface);
+    writer.add(moving.surface);
     writer.commit();
   }
   FileBytes two(bytesOf(folder/"two"));
