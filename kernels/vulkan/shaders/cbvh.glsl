@@ -14,7 +14,6 @@
  *   #include <embree3/cbvh.glsl>
  *
  *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, mask, time);
- *                                 // or cbvhMakeRay(origin, tnear, direction, tfar): all bits of the mask, time 0
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
