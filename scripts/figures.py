@@ -28,6 +28,15 @@ After this page you know how each figure in the text of the other pages was meas
 An empty cell means "not recorded". "Commit" is the build that was measured, or after "by", if that build was not
 recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`.
 
+## How do I reproduce a figure?
+
+Build the preset `release` and run the command. Programs named `cbvh_*` are below `build/release/tutorials`, programs
+named `test_*` and `beside_*` below `build/release/tests`. Scripts explain their arguments with `--help`. If the table
+omits options, look on the page that links to the figure. Figures without a command cannot be repeated, nor tables that
+name `body_hm08`: this model is not in the repository.
+
+## Which figures are there?
+
 | machine | properties that were recorded |
 |:--|:--|
 | EPYC AVX2 | AMD, two cores, 512 KiB of L2, 8 MiB of L3 |

@@ -109,7 +109,8 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  * settings: in the syntax of Embree's device configuration, for example "threads=4,isa=avx2". NULL selects the
  *           defaults. An unknown key or instruction set is an error whose message names the nearest valid one.
  *           "cbvh_max_error=0.01" changes the default of CbvhAccuracy, and so does max_error in the environment
- *           variable EMBREE_CBVH. Settings that select a representation have no effect.
+ *           variable EMBREE_CBVH, whose item verbose prints a line per commit of a group. Settings that select a
+ *           representation have no effect.
  * function: called for errors, or NULL.
  * userPtr:  passed to the function.
  * context:  written on success.

@@ -169,7 +169,7 @@ struct PartlyRough : public Displacement
   }
 };
 
-// Rays from inside a closed surface at the vertices that exact faces store on their borders, and at random.
+// Rays from inside a closed surface at the vertices that fallback faces store on their borders, and at random.
 TEST(FallbackFaces, NoGapsBetweenBothForms)
 {
   Device device;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Edge rates above 256, up to Embree's 4096. cVERT supports them in strips, cLEAF as exact faces. */
+/* Edge rates above 256, up to Embree's 4096. cVERT supports them in strips, cLEAF as fallback faces. */
 
 #include "support/edge_rates.h"
 #include "support/memory.h"

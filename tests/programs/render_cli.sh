@@ -207,7 +207,7 @@ grep -qi "speed\|GRID\|mesh" "$folder/alone" && complain "words on what was not 
 expect_rows alone "error against the true surface" "flipped normals"
 
 # Names of the library's kinds are accepted everywhere, in any case. --compare contains each kind once, and the share
-# of exact quads appears only for kinds that may have some.
+# of fallback quads appears only for kinds that may have some.
 run names --scene cube --representation cbvh.LEAF --true-surface 1000
 cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || complain "cbvh.LEAF differs from cleaf"
 run compare --scene cube --compare --true-surface 0

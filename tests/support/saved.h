@@ -111,7 +111,7 @@ inline std::vector<Saveable> allSaveable()
     cage(kindName(compression), compression, 64, 1, 0, cubeCage());
     cage(std::string(kindName(compression)) + ", few blocks", compression, 8, 1, 0, cubeCage());
   }
-  cage("cLEAF with exact faces", RTC_COMPRESSION_CLEAF, 32, 1, 1, sheetCage(3));
+  cage("cLEAF with fallback faces", RTC_COMPRESSION_CLEAF, 32, 1, 1, sheetCage(3));
   cage("cVERT of n-gons", RTC_COMPRESSION_CVERT, 37, 1, -1, prismCage(5));
   cage("cVERT that moves", RTC_COMPRESSION_CVERT, 40, 4, -1, cubeCage());
   const auto diced = [&](const std::string& name, unsigned timeSteps,

@@ -16,7 +16,7 @@ std::vector<SurfaceHit> selectHits(const std::vector<SurfaceHit>& hits, const st
   return some;
 }
 
-/* Bins belong to a block's frame, which must be known. Exact faces have none. */
+/* Bins belong to a block's frame, which must be known. Faces that are stored as cVERT have none. */
 bool hasBins(const Representation& representation)
 {
   return representation.kind == RepresentationKind::CLeafOnly && representation.frameLevel != autoFrameLevel;

@@ -4,7 +4,8 @@
 /* A renderer on Embree 4 or 3.13 that dices its surfaces itself, at both ends of the shutter, and passes the grids to
  * libembree_cbvh. The renderer frees its vertices before the first ray.
  *
- *   c++ -std=c++17 diced_grids.cpp -lembree_cbvh -lembree4 && ./a.out grids.pgm */
+ *   c++ -std=c++17 diced_grids.cpp $(pkg-config --cflags --libs embree_cbvh) -lembree4
+ *   ./a.out grids.pgm */
 
 #include "picture.h"
 #include <cbvh/embree.h>

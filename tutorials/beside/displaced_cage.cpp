@@ -3,7 +3,8 @@
 
 /* A renderer on Embree 4 or 3.13 with a displaced subdivision surface of libembree_cbvh in its scene:
  *
- *   c++ -std=c++17 displaced_cage.cpp -lembree_cbvh -lembree4 && ./a.out cage.pgm */
+ *   c++ -std=c++17 displaced_cage.cpp $(pkg-config --cflags --libs embree_cbvh) -lembree4
+ *   ./a.out cage.pgm */
 
 #include "picture.h"
 #include <cbvh/embree.h>

@@ -4,7 +4,8 @@
 /* A subdivision surface displaced by a height map, in C, without Embree. The displacement function interpolates the
  * texture coordinates of its points and reads the map there. Writes a picture.
  *
- *   cc -std=c99 displacement_map.c -lembree_cbvh -lm && ./a.out picture.pgm heights.pgm
+ *   cc -std=c99 displacement_map.c $(pkg-config --cflags --libs embree_cbvh) -lm
+ *   ./a.out picture.pgm heights.pgm
  *
  * heights.pgm is a binary 8-bit PGM; without it, the heights are waves. */
 

@@ -44,10 +44,10 @@ const struct
 } formats[] = {{RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"},
                {RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
-/* Clusters stored as floats, by reason: "3 raw, 2 range". */
+/* Clusters stored as floats, by reason: "3 floats, 2 out of range". */
 std::string describeFloatClusters(const RTCCompressedClusterStatistics& statistics)
 {
-  const char* const names[] = {"", "raw", "moving", "range"};
+  const char* const names[] = {"", "floats", "moving", "out of range"};
   std::string text;
   for (int reason = 1; reason < 4; reason++)
     if (statistics.numClustersByReason[reason])

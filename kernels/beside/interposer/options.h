@@ -5,7 +5,7 @@
 
 /* Settings of the environment variable EMBREE_CBVH, in the same syntax as for libembree3 of this project:
  * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. Settings of the paper's
- * representations have no effect. */
+ * representations and release_input have no effect. */
 
 #include <embree4/rtcore.h>
 
