@@ -7,6 +7,7 @@
 #include "support/memory.h"
 #include "support/random.h"
 #include "support/scene.h"
+#include "support/turkish_locale.h"
 
 #include <algorithm>
 #include <atomic>
@@ -255,6 +256,15 @@ TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
     }
   }
   EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
+}
+
+TEST(Settings, NamesOfKindsDoNotDependOnTheLocale)
+{
+  const std::string expected = representation("subdiv_accel=cbvh.grid");
+  const TurkishLocale locale;
+  if (!locale) GTEST_SKIP() << "no localedef, or no source of the Turkish locale: install Debian's package locales";
+  ASSERT_NE(std::tolower('I'), 'i');
+  EXPECT_EQ(representation("subdiv_accel=CBVH.GRID"), expected);
 }
 
 TEST(Settings, GeometriesCanOptOutOfEveryKind)
