@@ -11,7 +11,7 @@ set -eu
 build=$(cd "$1" && pwd) roots=$2
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 . "$here/root13.sh"
-with_packages g++ libembree-dev valgrind
+install_in_root g++ libembree-dev valgrind
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 mount --bind /proc "$root/proc" # for valgrind
 work=$root/root/beside

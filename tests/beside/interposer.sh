@@ -18,7 +18,7 @@ here=$(cd -- "$(dirname -- "$0")" && pwd)
 
 # $work is the folder of all files, $there the same folder as seen by the programs.
 if [ -n "$roots" ]; then
-  with_packages g++ libembree-dev embree-tools libospray-dev time
+  install_in_root g++ libembree-dev embree-tools libospray-dev time
   system=$root there=/root/interposer
   work=$root$there
   rm -rf "$work"
