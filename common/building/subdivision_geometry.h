@@ -30,7 +30,7 @@ private:
   std::atomic<size_t> done{0};
 };
 
-/* What a geometry's displacement function reads and writes; must outlive the geometry. */
+/* Data that the displacement function of a geometry reads and writes; must outlive the geometry. */
 struct DisplacementContext
 {
   const Displacement* displacement = nullptr; // null for none

@@ -123,7 +123,7 @@ TEST_P(CageTopology, OnlyHolesAreOpen)
 
 // --- edges of three faces --------------------------------------------------------------
 
-/* Two chambers, of which each is a prism of quads with a cap, or a pyramid of triangles. They share a ring of n edges.
+/* Two chambers. Each is a prism of quads with a cap, or a pyramid of triangles. They share a ring of n edges.
  * Each of these edges belongs to three faces if there is a wall between the chambers, otherwise to two.
  *
  *     x---x---x
