@@ -323,7 +323,7 @@ TEST_P(CageTopology, FacesOfOppositeWindingShareVertices)
       for (float rate : {1.0f, 5.0f, 16.0f, -1.0f}) {
         SCOPED_TRACE(testing::Message() << reversed.size() << " faces, rate " << rate);
         const Cage cage = boxWithReversedFaces(reversed, size);
-        SurfaceSettings settings = sharing(GetParam(), std::max(rate, 1.0f));
+        SurfaceSettings settings = sharedBorders(GetParam(), std::max(rate, 1.0f));
         Random random(115);
         if (rate < 0)
           for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + random.below(9)));
@@ -347,7 +347,7 @@ TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
 {
   Device device;
   Displacement displacement;
-  SurfaceSettings settings = sharing(GetParam(), 8);
+  SurfaceSettings settings = sharedBorders(GetParam(), 8);
   settings.displacement = &displacement;
   const Twins twins(device, boxWithReversedFaces({0}, {1, 1, 1}), settings);
   Random random(116);
@@ -362,7 +362,7 @@ TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
 }
 
 // One of the three faces has a vertex without a position.
-TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
+TEST_P(CageTopology, FacesOnAnEdgeShareVerticesIfAThirdIsLeftOut)
 {
   Device device;
   Cage cage;
@@ -370,7 +370,7 @@ TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
   cage.addFace({0, 2, 3, 1});
   cage.addFace({1, 5, 4, 0});
   cage.addFace({0, 1, 7, 6});
-  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceSettings settings = sharedBorders(GetParam(), 16);
   Scene scene(device);
   addSurface(device, scene, cage, settings);
   rtcCommitScene(scene);
