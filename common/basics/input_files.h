@@ -9,10 +9,11 @@
 
 namespace cbvh {
 
-/* Identifies the file by device and inode. Ignores files that do not exist. */
+/* Records a file that the run reads, by device and inode. Ignores missing files, devices and pipes. */
 void recordInputFile(const std::string& path);
 
-/* Throws Error with both paths if writing to `path` would replace a recorded file that still exists. */
+/* Throws Error with both paths, or one if they are equal, if writing to `path` would replace a recorded file that still
+ * exists. */
 void requireNoInputFile(const std::string& path);
 
 } // namespace cbvh

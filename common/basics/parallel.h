@@ -17,14 +17,15 @@
 
 namespace cbvh {
 
-/* `requested` is 0 for all hardware threads. */
+/* Returns `requested`, or the number of hardware threads if `requested` is 0. */
 inline unsigned threadCount(int requested)
 {
   return requested > 0 ? unsigned(requested) : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/* Calls body(begin, end) for ranges of at most `chunk` indices that cover [0,n), in any order, on up to `threads`
- * threads including the calling one. Rethrows the first exception. Throws Canceled if the user cancels. */
+/* Calls body(begin, end) for ranges of at most `chunk` > 0 indices that cover [0,n), in any order, on up to `threads`
+ * threads including the calling one. `body` must be thread-safe. Rethrows its first exception. Throws Canceled after a
+ * cancellation. Leaves out ranges that have not begun by then. */
 template<typename Body>
 void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
 {

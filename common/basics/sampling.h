@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Random numbers that are the same on every machine. The distributions of the standard library are not. */
+/* Random numbers that are the same on every machine, unlike the distributions of the standard library. Directions are
+ * the same up to the rounding of sin and cos. */
 
 #include "basics/vec.h"
 
@@ -18,13 +19,13 @@ inline float uniform(std::mt19937& random)
   return float(random() >> 8) * 0x1p-24f;
 }
 
-/* Uniform in [0,n), n > 0. */
+/* Uniform in [0,n), 0 < n <= 2^32. */
 inline size_t uniformIndex(size_t n, std::mt19937& random)
 {
   return size_t((uint64_t(random()) * n) >> 32);
 }
 
-/* Unit direction with this cosine to the unit vector n, rotated by `angle` radians about n. */
+/* Unit direction with this cosine, in [-1,1], to the unit vector n, rotated by `angle` radians about n. */
 inline Vec3f directionAround(Vec3f n, float cosine, float angle)
 {
   const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));

@@ -3,16 +3,16 @@
 
 #pragma once
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 namespace cbvh {
 
-/* Converts ASCII letters only. */
+/* Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
 inline std::string lowerCase(std::string text)
 {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z')
+      c = char(c + ('a' - 'A'));
   return text;
 }
 

@@ -25,7 +25,7 @@ namespace cbvh {
 /* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh
 {
-  std::vector<Vec3f> vertices;                // once per block: equal floats at shared borders
+  std::vector<Vec3f> vertices;                // repeated at borders of parts: equal floats, with cGRID only in a face
   std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
@@ -110,8 +110,8 @@ public:
   /* Hits on NAIVE's triangles are converted to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
-  /* Writes the vertices of the stored triangle that was hit. `time` is the ray's. Returns false if there is none.
-   * Throws Error except for cVERT and cGRID. */
+  /* Writes the vertices of the stored triangle that a ray hit at `time`. Returns false for a miss, or if no triangle is
+   * stored there. Throws Error except for cVERT and cGRID. */
   bool triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const;
 
   /* Throws Error except for cVERT and cGRID. */

@@ -9,12 +9,14 @@
 
 namespace cbvh {
 
+/* One way to trace rays through a committed scene, which must outlive the tracer. */
 class SceneTracer
 {
 public:
   virtual ~SceneTracer() = default;
 
-  /* Same results as rtcIntersect1 and rtcOccluded1 for n rays. Thread-safe. Throw Error. */
+  /* Return the results of rtcIntersect1 and rtcOccluded1 for n rays; a Vulkan device returns them up to float rounding.
+   * Thread-safe. Throw Error. */
   virtual void intersect(RTCRayHit* rays, size_t n) const = 0;
   virtual void occluded(RTCRay* rays, size_t n) const = 0;
 };
@@ -32,7 +34,7 @@ private:
   RTCScene scene;
 };
 
-/* Packets as wide as the instruction set, with the coherent flag, on the calling thread. */
+/* Packets of 4, 8 or 16 rays, whichever fills a vector register, with the coherent flag, on the calling thread. */
 class PacketTracer : public SceneTracer
 {
 public:

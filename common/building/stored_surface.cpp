@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A file of its own, because cbvh_bench loads libraries that lack these functions. */
+/* A file of its own, so that the linker leaves it out of cbvh_bench: that program defines the Embree functions that it
+ * calls (embree_calls.h), but not these. */
 
 #include "building/built_scene.h"
 #include "basics/error.h"
@@ -30,7 +31,7 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]
   RTCCompressedTriangle triangle;
   const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy));
   const bool found = rtcFindCompressedTriangle(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
-                                                    &hit.normal.x, &triangle);
+                                               &hit.normal.x, &triangle);
   if (found)
     std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
   else
@@ -42,15 +43,15 @@ StoredMesh BuiltScene::storedMesh(float time) const
 {
   if (!hasTriangles(builtAs))
     throw Error("reading the surface: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
-  struct Sum
+  struct Collector
   {
     StoredMesh mesh;
-    size_t firstFace = 0;
+    size_t firstFace = 0; // of the geometry whose parts are added
 
     static bool add(void* self, const RTCCompressedPart* part)
     {
-      Sum& sum = *static_cast<Sum*>(self);
-      StoredMesh& mesh = sum.mesh;
+      Collector& collector = *static_cast<Collector*>(self);
+      StoredMesh& mesh = collector.mesh;
       const unsigned first = unsigned(mesh.vertices.size()), width = part->width;
       for (unsigned i = 0; i < width * part->height; i++)
         mesh.vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
@@ -60,19 +61,19 @@ StoredMesh BuiltScene::storedMesh(float time) const
           const unsigned i = first + y * width + x;
           mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
           const unsigned quad = (y * (width - 1) + x) * part->primitivesPerQuad;
-          mesh.faces.push_back(unsigned(sum.firstFace + (part->primIDs ? part->primIDs[quad] : part->primID)));
+          mesh.faces.push_back(unsigned(collector.firstFace + (part->primIDs ? part->primIDs[quad] : part->primID)));
         }
       return !cancelRequested();
     }
-  } sum;
+  } collector;
   for (size_t i = 0; i < numGeometries; i++)
   {
-    sum.firstFace = i * facesPerCopy;
-    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
+    collector.firstFace = i * facesPerCopy;
+    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), time, Collector::add, &collector);
   }
   device->check("reading the surface");
   throwIfCanceled();
-  return std::move(sum.mesh);
+  return std::move(collector.mesh);
 }
 
 } // namespace cbvh

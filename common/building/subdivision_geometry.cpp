@@ -11,8 +11,8 @@
 namespace cbvh {
 namespace {
 
-/* Rounds a parameter to 2^-16, the lattice of all tessellations. Embree's grids may end a face at 0.99999994, where
- * unrecognized borders would tear. */
+/* Rounds a parameter to a multiple of 2^-16. Embree's grids may end a face at 0.99999994 instead of 1. Displacements
+ * that treat the borders of faces specially would not recognize such a border, and the surface would tear. */
 float snap(float parameter)
 {
   return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;

@@ -30,18 +30,19 @@ private:
   std::atomic<size_t> done{0};
 };
 
-/* Input of a geometry's displacement function; must outlive the geometry. */
+/* Data that the displacement function of a geometry reads and writes; must outlive the geometry. */
 struct DisplacementContext
 {
-  const Displacement* displacement = nullptr;
+  const Displacement* displacement = nullptr; // null for none
   int level = 0;
-  const EdgeRates* rates = nullptr;      // replaces `level` if set
-  const EdgeRates::Copy* copy = nullptr;
-  Placement placement;
+  const EdgeRates* rates = nullptr;           // replaces `level` if set
+  const EdgeRates::Copy* copy = nullptr;      // of `rates`, for this geometry; set if `rates` is
+  Placement placement;                        // set by SharedTopology::makeGeometry
 
-  /* If set, every vertex that Embree tessellates is also written here, in the order of the layout. */
+  /* If `captured` is set, it receives the vertices that Embree tessellates at the first time step, 3 floats each, in
+   * the order of `layout`. Then `layout` must be set, and all edges must have the rate of `level`. */
   const PatchLayout* layout = nullptr;
-  float* captured = nullptr; // 3 floats per vertex: GRID's, to the bit
+  float* captured = nullptr;
 
   TessellationProgress* progress = nullptr;
 };
@@ -56,7 +57,8 @@ struct BufferRelease
 };
 using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
 
-/* Buffers that all copies of a cage share. The cage and its poses (vertices at later time steps) must outlive them. */
+/* Buffers that all copies of a cage share. The device, the cage and its poses (vertices at later time steps) must
+ * outlive the object; geometries keep the buffers. */
 class SharedTopology
 {
   static inline const std::vector<std::vector<Vec3f>> noPoses;
@@ -67,9 +69,9 @@ public:
 
   /* Returns a committed geometry, not yet attached to a scene.
    *
-   * `context` holds displacement, level (the edge rate is 2^level) or rates, and capture. `compression` is read
-   * during the call; null selects the device's settings. `shape` holds the vertices of a copy that has its own, see
-   * Model. Throws Error. */
+   * `context` holds displacement, level (the edge rate is 2^level) or rates, and capture; the call stores `placement`
+   * in it. `compression` is read during the call; null selects the device's settings. `shape` holds the vertices of a
+   * copy that has its own, see Model. Throws Error. */
   GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,
                               const RTCCompressionArguments* compression = nullptr,
                               const std::vector<Vec3f>* shape = nullptr) const;

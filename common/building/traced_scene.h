@@ -22,13 +22,14 @@ public:
 
   virtual RTCScene handle() const = 0;
 
-  /* vulkan() is null unless the tracer is a Vulkan device. */
+  /* vulkan() returns the same tracer if it traces on a Vulkan device, otherwise null. */
   virtual const SceneTracer& tracer() const = 0;
   virtual const VulkanTracer* vulkan() const { return nullptr; }
 
+  /* Converts the hit or the miss of a ray that was traced. */
   virtual SurfaceHit surfaceHit(const RTCRayHit& ray) const = 0;
 
-  /* Throws Error if rays reached damaged blocks of a file, which they do not hit. */
+  /* Throws Error if rays reached damaged blocks of a file. Such rays miss these blocks. */
   virtual void check() const {}
 
   Box3f bounds() const

@@ -19,11 +19,10 @@ namespace {
 std::vector<std::string> wordsOf(const std::string& text)
 {
   std::vector<std::string> words{""};
-  for (const char c : text)
+  for (const char c : lowerCase(text))
   {
-    const unsigned char byte = (unsigned char)c;
-    if (std::isalnum(byte))
-      words.back() += char(std::tolower(byte));
+    if (std::isalnum((unsigned char)c))
+      words.back() += c;
     else if (c == '\n' || c == ',' || c == ';' || c == '.')
       words.insert(words.end(), {std::string(1, c), ""});
     else if (!words.back().empty())

@@ -11,7 +11,7 @@ set -eu
 build=$(cd "$1" && pwd) roots=$2
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 . "$here/root13.sh"
-with_packages g++ libembree-dev valgrind
+install_in_root g++ libembree-dev valgrind
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 mount --bind /proc "$root/proc" # for valgrind
 work=$root/root/beside
@@ -26,10 +26,10 @@ inside() { chroot "$root" sh -c "cd /root/beside && $*"; }
 for program in hits displaced_cage diced_grids speed; do
   inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" ||
     fail "$program does not compile"
-  inside "./$program" || fail "$program"
+  inside "./$program" || fail "$program fails on Debian 13"
 done
 inside "$compile reload.cpp -o reload -lembree4" &&
-  inside "./reload ./libembree_cbvh.so.0" || fail "unloading"
+  inside "./reload ./libembree_cbvh.so.0" || fail "reload does not compile or run"
 for picture in displaced_cage diced_grids; do
   if [ -x "$build/tutorials/beside/$picture" ]; then
     "$build/tutorials/beside/$picture" "$work/here.pgm" > /dev/null
@@ -40,7 +40,7 @@ for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
   leaks="--leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite"
   if ! inside "valgrind -q --undef-value-errors=no $leaks --error-exitcode=1 $program" > "$roots/log" 2>&1; then
     grep -q "nrecogni[sz]ed instruction\|unhandled instruction" "$roots/log" ||
-      { tail -n 30 "$roots/log"; fail "valgrind, $program"; }
+      { tail -n 30 "$roots/log"; fail "valgrind finds errors in $program"; }
     echo "valgrind does not support this processor's instructions"
   fi
 done

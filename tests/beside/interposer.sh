@@ -18,7 +18,7 @@ here=$(cd -- "$(dirname -- "$0")" && pwd)
 
 # $work is the folder of all files, $there the same folder as seen by the programs.
 if [ -n "$roots" ]; then
-  with_packages g++ libembree-dev embree-tools libospray-dev time
+  install_in_root g++ libembree-dev embree-tools libospray-dev time
   system=$root there=/root/interposer
   work=$root$there
   rm -rf "$work"
@@ -95,8 +95,9 @@ row()
     [ $way = with ] && environment="$preload EMBREE_CBVH=$options" || environment=
     command=$(echo "$program" | sed "s/PICTURE/$way.ppm/")
     inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $command > $way.log 2>&1" ||
-      { cat "$work/$way.log"; fail "$name, $way"; }
-    if ! awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time"; then cat "$work/$way.time"; fail "$name, $way"; fi
+      { cat "$work/$way.log"; fail "$name fails $way the interposer"; }
+    awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time" ||
+      { cat "$work/$way.time"; fail "$name, $way the interposer: time does not report memory and seconds"; }
   done
   if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then note="left to Embree"; else note=; fi
   differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name differs: $differing"

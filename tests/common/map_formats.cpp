@@ -518,7 +518,7 @@ TEST_F(MapFormats, EachPageHasItsOwnMissingValue)
   for (const char* nodata : {"1", "", "3"})
   {
     t.nodata = nodata;
-    writer.page(t, repeated(std::string(1, 1)));
+    writer.addPage(t, repeated(std::string(1, 1)));
   }
   const std::string path = pathOf("pages.tif");
   writer.save(path);
@@ -546,7 +546,7 @@ TEST_F(MapFormats, SmallerCopiesAndMasksAreIgnored)
         t.width = t.height = size;
         t.tile = tile;
         t.subfile = subfile;
-        writer.page(t, repeated(std::string(1, char(subfile ? 99 : 10 + page))));
+        writer.addPage(t, repeated(std::string(1, char(subfile ? 99 : 10 + page))));
       }
     const std::string path = pathOf("overviews.tif");
     writer.save(path);
@@ -567,10 +567,10 @@ TEST_F(MapFormats, FileWithAnUnreadablePageIsRejected)
   TiffWriter writer(false, false);
   TiffLayout t;
   t.width = t.height = size;
-  writer.page(t, repeated("a"));
+  writer.addPage(t, repeated("a"));
   t.format = 2;
   t.photometric = 0;
-  writer.page(t, repeated("a"));
+  writer.addPage(t, repeated("a"));
   const std::string path = pathOf("pages.tif");
   writer.save(path);
   EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("image 1: white is zero"), std::string::npos)

@@ -3,9 +3,11 @@
 
 #include "building/representation.h"
 #include "basics/error.h"
+#include "support/turkish_locale.h"
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <utility>
 
 namespace cbvh::test {
@@ -57,6 +59,16 @@ TEST(Representation, NamesOfTheLibraryAreAccepted)
   for (const char* list :
        {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
+}
+
+TEST(Representation, NamesDoNotDependOnTheLocale)
+{
+  const TurkishLocale locale;
+  if (!locale)
+    GTEST_SKIP() << "no localedef, or no source of the Turkish locale: install Debian's package locales";
+  ASSERT_NE(std::tolower('I'), 'i');
+  EXPECT_EQ(parseRepresentations("NAIVE", autoFrameLevel)[0].label(), "NAIVE");
+  EXPECT_EQ(parseRepresentations("cGRID", autoFrameLevel)[0].label(), "cGRID");
 }
 
 TEST(Representation, ListsContainTheLibrarysKinds)

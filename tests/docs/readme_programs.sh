@@ -21,7 +21,8 @@ block() {
   awk -v fence="\`\`\`$1" -v n="$2" '$0 == fence { on = ++found == n; next } /^```/ { on = 0 } on' "$page"
 }
 
-"$cmake" --install "$build" --prefix "$work/opt" > "$work/log" || { cat "$work/log"; fail "cmake --install"; }
+"$cmake" --install "$build" --prefix "$work/opt" > "$work/log" ||
+  { cat "$work/log"; fail "cmake does not install $build"; }
 cd "$work"
 block c 1 > first_ray.c
 [ "$(wc -l < first_ray.c)" -le 25 ] && [ -s first_ray.c ] ||
@@ -33,17 +34,17 @@ sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\
   sed "s|/opt/embree-cbvh|$work/opt|g" > commands
 [ "$(wc -l < commands)" = 2 ] || fail "the page has not two lines that compile the program"
 sed 's/ cc / cc -Wall -Wextra -Werror -pedantic /; s/^cc /cc -Wall -Wextra -Werror -pedantic /' commands > strict
-said=$(sh -eu strict) || fail "the program does not compile and run"
-echo "$said"
+output=$(sh -eu strict) || fail "the program does not compile and run"
+echo "$output"
 # The ray goes down at x = 0.1 and hits face 1, the upper one, at a height between 0 and 1.
-echo "$said" | grep -qE '^face 1, distance 3\.[0-9]+$' || fail "the program prints: $said"
+echo "$output" | grep -qE '^face 1, distance 3\.[0-9]+$' || fail "the program prints: $output"
 
 # --- the page's CMake lines ---------------------------------------------------------------------------
 
 { echo 'cmake_minimum_required(VERSION 3.10)'; echo 'project(first_ray C)'; block cmake 1; } > CMakeLists.txt
 "$cmake" -S . -B cmake -DCMAKE_PREFIX_PATH="$work/opt" > log 2>&1 && "$cmake" --build cmake >> log 2>&1 ||
-  { cat log; fail "the CMake lines"; }
-[ "$(cmake/first_ray)" = "$said" ] || fail "the output of the program built by CMake differs"
+  { cat log; fail "the program does not build with the CMake lines of the page"; }
+[ "$(cmake/first_ray)" = "$output" ] || fail "the output of the program built by CMake differs"
 
 # --- in a scene of Embree ----------------------------------------------------------------------------
 
@@ -77,7 +78,7 @@ EOF
 export PKG_CONFIG_PATH="$work/opt/lib/pkgconfig" LD_LIBRARY_PATH="$work/opt/lib/embree_cbvh"
 # shellcheck disable=SC2046
 cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$host" -lm -o in_scene
-[ "$(./in_scene)" = "$said" ] || fail "the hit in a scene of Embree differs"
+[ "$(./in_scene)" = "$output" ] || fail "the hit in a scene of Embree differs"
 # on_host PROGRAM: fails if the program does not load the machine's Embree
 on_host() {
   ldd "$1" | sed -n 's/.*libembree[34].so.[34] => \([^ ]*\).*/\1/p' > library
@@ -95,6 +96,6 @@ distance=$(sed -n 's/.*prints `\(face [^`]*\)`.*/\1/p' "$page")
 # shellcheck disable=SC2046
 cc -std=c99 -Wall -Wextra -Werror whole.c $(pkg-config --cflags --libs embree_cbvh) "$host" -lm -o whole ||
   fail "the program of docs/renderers.md does not compile"
-said=$(./whole)
-[ "$said" = "$distance" ] || fail "the program of docs/renderers.md prints \"$said\", the page says \"$distance\""
+output=$(./whole)
+[ "$output" = "$distance" ] || fail "the program of docs/renderers.md prints \"$output\", the page says \"$distance\""
 on_host ./whole

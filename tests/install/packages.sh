@@ -33,7 +33,7 @@ make() {
     mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
       sort -u | head -n 1)
     debootstrap --variant=minbase "$suite" "$base.part" "$mirror" > "$roots/log" ||
-      { tail "$roots/log"; fail "debootstrap"; }
+      { tail "$roots/log"; fail "debootstrap cannot make $base.part"; }
     mv "$base.part" "$base"
   fi
   rm -rf --one-file-system "$root"
@@ -48,7 +48,7 @@ make() {
 }
 inside() { chroot "$root" env HOME=/root "$@"; }
 apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 ||
-  { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
+  { tail -n 30 "$roots/log"; fail "apt-get $* does not succeed"; }; }
 ours() { apt_get install "$@"; apt_get check; }
 all() { (cd "$packages" && for package in *.deb; do echo "/root/packages/$package"; done); }
 status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true; }
@@ -65,7 +65,7 @@ inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --
 inside python3 -c "import embree_cbvh as cbvh
 scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
 print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
-  fail "the Python module"
+  fail "the Python module does not build a scene"
 # CPack counts a library once more for each of its links.
 for package in libembree3-cbvh libembree-cbvh0; do
   stated=$(inside dpkg-query -W -f '${Installed-Size}' "$package")
@@ -85,7 +85,7 @@ git -C "$here/../.." archive --prefix=root/embree-cbvh/ HEAD | tar -x -C "$root"
 mkdir "$root/root/embree-cbvh/output"
 cp "$packages"/*.deb "$root/root/embree-cbvh/output/"
 inside /root/embree-cbvh/scripts/demo.sh --short > "$roots/log" 2>&1 ||
-  { tail -n 30 "$roots/log"; fail "the demo"; }
+  { tail -n 30 "$roots/log"; fail "scripts/demo.sh does not run"; }
 grep 'and is used$' "$roots/log" || { grep 'is not used' "$roots/log"; fail "the demo does not use the packages"; }
 
 # --- a system with Debian's packages ---------------------------------------------------------------
@@ -99,17 +99,17 @@ run() {
                  grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
                  lazy_geometry motion_blur_geometry; do
     inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
-      { cat "$roots/log"; fail "$program"; }
+      { cat "$roots/log"; fail "$program does not render its picture"; }
   done
   for program in viewer pathtracer; do
     inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" \
       > "$roots/log" 2>&1 ||
-      { cat "$roots/log"; fail "$program"; }
+      { cat "$roots/log"; fail "$program does not render its picture"; }
   done
-  inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D"
+  inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D does not run its queries"
   inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" \
     > "$roots/log" 2>&1 ||
-    { cat "$roots/log"; fail "Blender"; }
+    { cat "$roots/log"; fail "Blender does not render its picture"; }
 }
 
 # compare FOLDER OTHER

@@ -29,7 +29,7 @@ if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
   # the prefix of names is not in front of other words of comments
   ! grep -E '^ *(/?\*|//)' "$work/prefix/include/embree3/cbvh.glsl" | grep -E '\bcbvh_[a-z]+\b([^(]|$)' ||
-    fail "prefixes in comments of cbvh.glsl"
+    fail "these comments of cbvh.glsl contain prefixes"
   # it finds the library next to it
   ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
 fi
@@ -164,27 +164,28 @@ done
 # --- our programs use the library next to them, and report other libraries ------------------------
 
 for program in "$work"/prefix/bin/cbvh_*; do
-  "$program" --version > "$work/said" || fail "$program --version"
-  [ "$(head -n 1 "$work/said")" = "${program##*/} $version" ] || { cat "$work/said"; fail "$program --version"; }
-  grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/said" ||
-    { cat "$work/said"; fail "$program runs on a different library"; }
+  "$program" --version > "$work/output" || fail "$program --version does not run"
+  [ "$(head -n 1 "$work/output")" = "${program##*/} $version" ] ||
+    { cat "$work/output"; fail "$program --version: the first line is not \"${program##*/} $version\""; }
+  grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/output" ||
+    { cat "$work/output"; fail "$program runs on a different library"; }
   case $host in
     */libembree3.*)
-      LD_LIBRARY_PATH=$stock "$program" --version > "$work/said" 2>&1 &&
-        grep -q "^library: Embree 3.13.5, without compression, $stock/libembree3.so.3" "$work/said" ||
-        { cat "$work/said"; fail "$program does not start with Embree's library"; } ;;
+      LD_LIBRARY_PATH=$stock "$program" --version > "$work/output" 2>&1 &&
+        grep -q "^library: Embree 3.13.5, without compression, $stock/libembree3.so.3" "$work/output" ||
+        { cat "$work/output"; fail "$program does not start with Embree's library"; } ;;
   esac
 done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
   render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
-  render --representation cvert > "$work/said" 2>&1 || { cat "$work/said"; fail "cbvh_render does not run"; }
+  render --representation cvert > "$work/output" 2>&1 || { cat "$work/output"; fail "cbvh_render does not run"; }
   case $host in
     */libembree3.*)
-      ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 ||
+      ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/output" 2>&1 ||
         fail "cbvh_render compresses with Embree's library"
       grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" \
-        "$work/said" ||
-        { cat "$work/said"; fail "the message about Embree's library"; } ;;
+        "$work/output" ||
+        { cat "$work/output"; fail "cbvh_render does not name Embree's library and the remedy"; } ;;
   esac
-  tail -n 1 "$work/said"
+  tail -n 1 "$work/output"
 fi

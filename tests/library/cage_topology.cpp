@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges of three
- * faces. cVERT and cLEAF, which share borders, must give the result of an equivalent simple cage, and closed
- * surfaces. */
+/* Unusual cages that Embree supports: more indices than the faces use, holes, faces without edges, edges of three
+ * faces. cVERT, and cLEAF with fallback faces, share the borders of faces. They must produce the hits of an equivalent
+ * simple cage, and closed surfaces. */
 
 #include "support/edge_rates.h"
 #include "support/vert_triangles.h"
@@ -19,7 +19,7 @@ class CageTopology : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT),
                          nameOf);
 
-// Fills new memory with this byte, because memory of a heap in use is not zero.
+// Fills allocated memory with a byte, so that reads of uninitialized memory have an effect. It would often be zero.
 class FilledHeap
 {
 public:
@@ -27,7 +27,7 @@ public:
   ~FilledHeap() { mallopt(M_PERTURB, 0); }
 };
 
-SurfaceSettings sharing(RTCCompression compression, float rate)
+SurfaceSettings sharedBorders(RTCCompression compression, float rate)
 {
   SurfaceSettings settings;
   settings.compression = compression;
@@ -36,7 +36,7 @@ SurfaceSettings sharing(RTCCompression compression, float rate)
   return settings;
 }
 
-/* Expects the same hits as in the simple scene. faces: maps faces of the simple cage to those of the cage. */
+/* Expects the same hits in `scene` as in `plain`. faces: the scene's face for each face of the plain cage. */
 void expectSameHits(RTCScene scene, RTCScene plain, const std::vector<unsigned>& faces)
 {
   Random random(111);
@@ -54,14 +54,14 @@ void expectSameHits(RTCScene scene, RTCScene plain, const std::vector<unsigned>&
   EXPECT_GT(hits, 50u);
 }
 
-TEST_P(CageTopology, IndicesAfterThoseOfFacesAreIgnored)
+TEST_P(CageTopology, IndicesThatNoFaceUsesAreIgnored)
 {
   Device device;
-  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceSettings settings = sharedBorders(GetParam(), 16);
   const SurfaceScene plain(device, cubeCage(), settings);
   for (size_t spare : {1, 7, 4096})
     for (int byte = 1; byte <= 20; byte++) {
-      SCOPED_TRACE(testing::Message() << spare << " more indices, heap of " << 12*byte);
+      SCOPED_TRACE(testing::Message() << spare << " more indices, heap filled with " << 12*byte);
       Cage cage = cubeCage();
       cage.indices.resize(cage.indices.size() + spare, 0);
       const FilledHeap filled(12*byte);
@@ -73,11 +73,11 @@ TEST_P(CageTopology, IndicesAfterThoseOfFacesAreIgnored)
     }
 }
 
-// Embree duplicates the next face in its place.
+// For a face without edges, Embree reads the edges of the next face.
 TEST_P(CageTopology, FacesWithoutEdgesAreIgnored)
 {
   Device device;
-  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceSettings settings = sharedBorders(GetParam(), 16);
   const SurfaceScene plain(device, cubeCage(), settings);
   Cage cage = cubeCage();
   cage.faces = {0, 4, 4, 0, 0, 4, 4, 4, 0, 4};
@@ -91,7 +91,8 @@ TEST_P(CageTopology, FacesWithoutEdgesAreIgnored)
   }
 }
 
-// Rays from inside at the centers of faces must hit if they hit GRID.
+// Rays from the center of the cube through the middle parts of its faces hit and miss as with GRID. The edges of holes,
+// and edges of the additional indices, must have no effect on borders.
 TEST_P(CageTopology, OnlyHolesAreOpen)
 {
   Device device;
@@ -101,7 +102,7 @@ TEST_P(CageTopology, OnlyHolesAreOpen)
     cage.holes = holes;
     cage.indices.resize(cage.indices.size() + 5, 0);
     const FilledHeap filled(0xA7);
-    const Twins twins(device, cage, sharing(GetParam(), 16));
+    const Twins twins(device, cage, sharedBorders(GetParam(), 16));
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     Random random(112);
     size_t hits = 0;
@@ -122,14 +123,14 @@ TEST_P(CageTopology, OnlyHolesAreOpen)
 
 // --- edges of three faces --------------------------------------------------------------
 
-/* Two chambers with a wall of n edges between them, whose border belongs to three faces. The sides of each chamber are
- * quads, or triangles that meet in a point.
+/* Two chambers. Each is a prism of quads with a cap, or a pyramid of triangles. They share a ring of n edges.
+ * Each of these edges belongs to three faces if there is a wall between the chambers, otherwise to two.
  *
  *     x---x---x
- *     |   |   |   quads, and a cap of n edges
- *     x---x---x   the wall
+ *     |   |   |   prism above, with a cap of n edges
+ *     x---x---x   ring, with or without the wall
  *      \  |  /
- *       \ | /     triangles
+ *       \ | /     pyramid below
  *         x */
 struct Chambers
 {
@@ -147,7 +148,7 @@ struct Chambers
       }
     };
     addRing(0);
-    if (hasWall) addFace(cage, 0, false); // first, for ringRates
+    if (hasWall) addFace(cage, 0, false);
     for (int above = 0; above < 2; above++) {
       const float z = above ? 1.f : -1.f;
       const unsigned first = unsigned(cage.positions.size());
@@ -176,15 +177,17 @@ std::vector<Chambers> chambers(bool hasWall)
   return all;
 }
 
-// Quads of a face along an edge of the cage in GRID if the face has no neighbor at that edge.
+// Returns how many quads a face with this number of edges has along one of them if it need not match a neighbor. GRID
+// divides faces that are not quads into sub-patches, which halve the edge.
 unsigned ownQuads(unsigned edges, float rate)
 {
   const unsigned n = unsigned(std::ceil(edges == 4 ? rate : 0.5f*rate));
   return edges == 4 ? n : 2*n;
 }
 
-// Sum over the edges of the wall of the lowest number of quads of any of its three faces.
-size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings)
+// Returns the number of quads along the ring if each of its edges has the lowest ownQuads() of its faces. The ring's
+// vertices are the first n vertices of the cage.
+size_t quadsAlongRing(const Cage& cage, unsigned n, const SurfaceSettings& settings)
 {
   std::map<std::pair<unsigned, unsigned>, unsigned> least;
   size_t begin = 0;
@@ -214,29 +217,32 @@ std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> usesOf
   return uses;
 }
 
+// Rays from inside a chamber, most of them to points near the ring, must hit. GRID may have cracks there, but must hit
+// nearly as often: otherwise the compressed surface would be hit where there is none.
 void expectNoMisses(const Twins& twins)
 {
   Random random(113);
-  size_t ofGrid = 0;
+  size_t missesOfGrid = 0;
   for (int i = 0; i < 400; i++) {
     const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1),
                  height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
     const Vec o = {float(random.uniform(-0.05, 0.05)), float(random.uniform(-0.05, 0.05)), i % 2 ? 0.2f : -0.2f};
     const RTCRayHit ray = makeRay(o, {float(r*std::cos(a)) - o[0], float(r*std::sin(a)) - o[1], float(height) - o[2]});
-    ofGrid += !isHit(intersect(twins.grid, ray));
+    missesOfGrid += !isHit(intersect(twins.grid, ray));
     ASSERT_TRUE(isHit(intersect(twins.scene, ray))) << "ray " << i;
     ASSERT_TRUE(occluded(twins.scene, ray)) << "ray " << i;
   }
-  EXPECT_LE(ofGrid, 20u) << "too many rays start outside";
+  EXPECT_LE(missesOfGrid, 20u);
 }
 
-std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& cage, Displacement& displacement)
+std::vector<SurfaceSettings> settingsWithLowRates(RTCCompression compression, const Cage& cage,
+                                                  Displacement& displacement)
 {
   std::vector<SurfaceSettings> all;
-  for (float rate : {1.0f, 2.0f, 3.0f, 7.0f}) all.push_back(sharing(compression, rate));
+  for (float rate : {1.0f, 2.0f, 3.0f, 7.0f}) all.push_back(sharedBorders(compression, rate));
   Random random(114);
   for (unsigned most : {2, 3, 9}) { // different rates on both sides of an edge
-    all.push_back(sharing(compression, 1));
+    all.push_back(sharedBorders(compression, 1));
     for (size_t i = 0; i < cage.indices.size(); i++) all.back().edgeRates.push_back(float(1 + random.below(most)));
   }
   for (SurfaceSettings& settings : all) settings.displacement = &displacement;
@@ -245,20 +251,22 @@ std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& ca
 
 std::string describe(const Chambers& c, const SurfaceSettings& settings)
 {
-  const auto form = [](bool isPrism) { return isPrism ? "quads" : "triangles"; };
-  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) +
-         " above, rate " + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
+  const auto form = [](bool isPrism) { return isPrism ? "prism" : "pyramid"; };
+  std::string rates = std::to_string(int(settings.rate));
+  if (!settings.edgeRates.empty()) rates = testing::PrintToString(settings.edgeRates);
+  return "ring of " + std::to_string(c.n) + (c.hasWall ? " edges with" : " edges without") + " a wall, " +
+         form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) + " above, rates " + rates;
 }
 
-/* No edge may belong to only one triangle. Faces that share a border use the vertices that the face with the fewest
- * quads has there. */
-TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
+/* No edge may belong to only one triangle. Along an edge of three faces, all use the vertices of the face with the
+ * fewest quads there. */
+TEST_P(CageTopology, ThreeFacesOnAnEdgeShareVertices)
 {
   Device device;
   Displacement displacement;
   for (const Chambers& c : chambers(true)) {
     const Cage cage = c.cage();
-    for (const SurfaceSettings& settings : fewQuads(GetParam(), cage, displacement)) {
+    for (const SurfaceSettings& settings : settingsWithLowRates(GetParam(), cage, displacement)) {
       SCOPED_TRACE(describe(c, settings));
       const Twins twins(device, cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -271,18 +279,18 @@ TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
         threefold += edge.second == 3;
       }
       EXPECT_EQ(open, 0u);
-      EXPECT_EQ(threefold, quadsOfRing(cage, c.n, settings));
+      EXPECT_EQ(threefold, quadsAlongRing(cage, c.n, settings));
     }
   }
 }
 
-TEST_P(CageTopology, FacesOnAnEdgeOfTwoShareVertices)
+TEST_P(CageTopology, TwoFacesOnAnEdgeShareVertices)
 {
   Device device;
   Displacement displacement;
   for (const Chambers& c : chambers(false)) {
     const Cage cage = c.cage();
-    for (const SurfaceSettings& settings : fewQuads(GetParam(), cage, displacement)) {
+    for (const SurfaceSettings& settings : settingsWithLowRates(GetParam(), cage, displacement)) {
       SCOPED_TRACE(describe(c, settings));
       const Twins twins(device, cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -315,7 +323,7 @@ TEST_P(CageTopology, FacesOfOppositeWindingShareVertices)
       for (float rate : {1.0f, 5.0f, 16.0f, -1.0f}) {
         SCOPED_TRACE(testing::Message() << reversed.size() << " faces, rate " << rate);
         const Cage cage = boxWithReversedFaces(reversed, size);
-        SurfaceSettings settings = sharing(GetParam(), std::max(rate, 1.0f));
+        SurfaceSettings settings = sharedBorders(GetParam(), std::max(rate, 1.0f));
         Random random(115);
         if (rate < 0)
           for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + random.below(9)));
@@ -339,7 +347,7 @@ TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
 {
   Device device;
   Displacement displacement;
-  SurfaceSettings settings = sharing(GetParam(), 8);
+  SurfaceSettings settings = sharedBorders(GetParam(), 8);
   settings.displacement = &displacement;
   const Twins twins(device, boxWithReversedFaces({0}, {1, 1, 1}), settings);
   Random random(116);
@@ -354,7 +362,7 @@ TEST_P(CageTopology, DisplacedFacesOfOppositeWindingStayApart)
 }
 
 // One of the three faces has a vertex without a position.
-TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
+TEST_P(CageTopology, FacesOnAnEdgeShareVerticesIfAThirdIsLeftOut)
 {
   Device device;
   Cage cage;
@@ -362,7 +370,7 @@ TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVerticesIfOneIsLeftOut)
   cage.addFace({0, 2, 3, 1});
   cage.addFace({1, 5, 4, 0});
   cage.addFace({0, 1, 7, 6});
-  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceSettings settings = sharedBorders(GetParam(), 16);
   Scene scene(device);
   addSurface(device, scene, cage, settings);
   rtcCommitScene(scene);

@@ -7,6 +7,7 @@
 #include "support/memory.h"
 #include "support/random.h"
 #include "support/scene.h"
+#include "support/turkish_locale.h"
 
 #include <algorithm>
 #include <atomic>
@@ -162,18 +163,18 @@ TEST(Version, LibraryAndHeadersAgree)
 // With the kind chosen by the device string or by the environment.
 TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
 {
-  const auto said = [](const std::string& config) {
+  const auto printed = [](const std::string& config) {
     testing::internal::CaptureStdout();
     { Device device(config); }
     return testing::internal::GetCapturedStdout();
   };
   const std::string name = "Embree CBVH " RTC_COMPRESSION_VERSION_STRING "\n";
-  EXPECT_EQ(said(""), "");
+  EXPECT_EQ(printed(""), "");
   Environment environment("leaf");
   for (const auto& c :
        {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
         std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
-    const std::string text = said(c.first);
+    const std::string text = printed(c.first);
     const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second),
                  banner = text.find("Embree Ray Tracing Kernels");
     EXPECT_LT(ours, kind) << text;
@@ -255,6 +256,15 @@ TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
     }
   }
   EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
+}
+
+TEST(Settings, NamesOfKindsDoNotDependOnTheLocale)
+{
+  const std::string expected = representation("subdiv_accel=cbvh.grid");
+  const TurkishLocale locale;
+  if (!locale) GTEST_SKIP() << "no localedef, or no source of the Turkish locale: install Debian's package locales";
+  ASSERT_NE(std::tolower('I'), 'i');
+  EXPECT_EQ(representation("subdiv_accel=CBVH.GRID"), expected);
 }
 
 TEST(Settings, GeometriesCanOptOutOfEveryKind)
@@ -744,12 +754,13 @@ TEST(DeviceString, UnknownKeysGetSuggestion)
   for (const char* config : {"subdiv_acel=cbvh", "threds=1,subdiv_accel=cbvh.vert"}) {
     testing::internal::CaptureStderr();
     RTCDevice device = rtcNewDevice(config);
-    const std::string said = testing::internal::GetCapturedStderr();
+    const std::string printed = testing::internal::GetCapturedStderr();
     EXPECT_EQ(device, nullptr) << config;
     EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
     const bool isAccel = config[0] == 's';
-    EXPECT_NE(said.find(isAccel ? "\"subdiv_acel\"" : "\"threds\""), std::string::npos) << said;
-    EXPECT_NE(said.find(isAccel ? "did you mean subdiv_accel?" : "did you mean threads?"), std::string::npos) << said;
+    EXPECT_NE(printed.find(isAccel ? "\"subdiv_acel\"" : "\"threds\""), std::string::npos) << printed;
+    EXPECT_NE(printed.find(isAccel ? "did you mean subdiv_accel?" : "did you mean threads?"), std::string::npos)
+      << printed;
   }
   RTCDevice device = rtcNewDevice("threds=1,unknown,grid_accel=default"); // accepted, as by stock Embree
   ASSERT_NE(device, nullptr);

@@ -122,9 +122,9 @@ class Benchmark(unittest.TestCase):
         while not record.exists() and time.monotonic() - begin < 60:
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
-        said, _ = process.communicate(timeout=60)
+        output, _ = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
-        self.assertIn("stopped", said)
+        self.assertIn("stopped", output)
         self.assertEqual(json.loads(record.read_text())["groups"][0]["level"], 4)
         self.calls()
         self.set_mode("quick")
@@ -195,7 +195,7 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(len(self.calls()), 2)
 
     def test_invalid_names_are_reported_in_one_line(self):
-        for words, said in (
+        for words, message in (
             (["slow"], "unknown set 'slow'"),
             (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
             (["--cage", "missing.obj"], "missing.obj: no such file"),
@@ -208,7 +208,7 @@ class Benchmark(unittest.TestCase):
             done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=self.folder)
             self.assertEqual(done.returncode, 1, words)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn(said, done.stderr)
+            self.assertIn(message, done.stderr)
             self.assertEqual(self.calls(), [])
 
     def test_failed_job_is_reported_and_others_continue(self):
@@ -224,9 +224,9 @@ class Benchmark(unittest.TestCase):
         self.assertIn("trex", done.stdout)
 
     def test_only_the_list_shows_durations(self):
-        said = self.run_script("--help").stdout
-        self.assertNotRegex(said, r"minute|second|\bhour")
-        self.assertRegex(said, r"--list[^-]*how long")
+        output = self.run_script("--help").stdout
+        self.assertNotRegex(output, r"minute|second|\bhour")
+        self.assertRegex(output, r"--list[^-]*how long")
         total = re.search(r"jobs, about (\d+):(\d\d)", self.run_script("quick", "--list").stdout)
         listed = re.findall(r"(?m) about (\d+):(\d\d)$", self.run_script("quick", "--list").stdout)
         jobs = [int(m) * 60 + int(s) for m, s in listed]
@@ -235,9 +235,9 @@ class Benchmark(unittest.TestCase):
     def test_durations_are_reported_as_measured(self):
         self.assertIn("as planned", self.run_script("quick", "--list").stdout)
         self.run_script("quick", "--scene", "cube")
-        said = self.run_script("quick", "--list").stdout
-        self.assertRegex(said, r"(?m)^cube  .* took 0:0\d$")
-        self.assertRegex(said, r"(?m)^trex  .* about 0:\d\d$", "at the pace of the others")
+        output = self.run_script("quick", "--list").stdout
+        self.assertRegex(output, r"(?m)^cube  .* took 0:0\d$")
+        self.assertRegex(output, r"(?m)^trex  .* about 0:\d\d$", "at the pace of the others")
         times = self.output / "job_times"
         for damaged in ("", "[1]", '{"x": {"seconds": "fast"}}'):
             times.write_text(damaged)

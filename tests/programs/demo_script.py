@@ -114,23 +114,23 @@ class Demo(unittest.TestCase):
         return result.stdout
 
     def assert_built(self, *words):
-        said = self.run_demo("--short", *words)
-        self.assertEqual(self.calls, ["cmake", "cmake", "built"], said)
-        return said
+        output = self.run_demo("--short", *words)
+        self.assertEqual(self.calls, ["cmake", "cmake", "built"], output)
+        return output
 
     def test_nothing_prebuilt(self):
-        said = self.run_demo()
+        output = self.run_demo()
         self.assertEqual(self.calls, ["cmake", "cmake"] + 4 * ["built"])
-        self.assertNotIn("not used", said)
-        self.assertIn("build/demo/tutorials/render/cbvh_render\n", said)
+        self.assertNotIn("not used", output)
+        self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
 
     def test_wheel_of_these_sources(self):
         self.add_wheel()
         (self.tree / "docs/a.md").write_text("pages are not part of the programs")
-        said = self.run_demo()
-        self.assertEqual(self.calls, 4 * ["wheel"], said)
-        self.assertIn(f"output/{WHEEL} was built from these sources, and is used\n", said)
-        self.assertIn("build/prebuilt/cbvh_render\n", said)
+        output = self.run_demo()
+        self.assertEqual(self.calls, 4 * ["wheel"], output)
+        self.assertIn(f"output/{WHEEL} was built from these sources, and is used\n", output)
+        self.assertIn("build/prebuilt/cbvh_render\n", output)
 
     def test_build_despite_a_wheel(self):
         self.add_wheel()
@@ -165,23 +165,24 @@ class Demo(unittest.TestCase):
 
     def test_packages_of_these_sources(self):
         self.add_packages()
-        said = self.run_demo("--short")
-        self.assertEqual(self.calls, ["package in triplet"], said)
+        output = self.run_demo("--short")
+        self.assertEqual(self.calls, ["package in triplet"], output)
 
     def test_packages_that_need_a_library(self):
         (self.folder / "library").unlink()
         (self.folder / "mirror").touch()
         self.add_packages()
-        said = self.run_demo("--short")
-        self.assertEqual(self.calls, ["apt-get satisfy libtbb12 (>= 2021), libc6 (>= 2), ", "package in triplet"], said)
+        output = self.run_demo("--short")
+        self.assertEqual(self.calls, ["apt-get satisfy libtbb12 (>= 2021), libc6 (>= 2), ", "package in triplet"],
+                         output)
 
     def test_packages_of_another_distribution(self):
         (self.folder / "library").unlink()
         (self.folder / "built").write_text((self.folder / "built").read_text().replace("library", "built"))
         self.add_packages()
-        said = self.run_demo("--short")
-        self.assertEqual(self.calls[1:], ["cmake", "cmake", "built"], said)
-        self.assertIn("is not used: cbvh_render does not start: libtbb.so.12: cannot open", said)
+        output = self.run_demo("--short")
+        self.assertEqual(self.calls[1:], ["cmake", "cmake", "built"], output)
+        self.assertIn("is not used: cbvh_render does not start: libtbb.so.12: cannot open", output)
 
     def test_library_of_other_sources(self):
         self.add_package("libembree3-cbvh", "libc6")

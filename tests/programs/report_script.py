@@ -671,11 +671,11 @@ class Report(unittest.TestCase):
     def test_invalid_folders_are_reported_in_one_line(self):
         empty = Path(self.temporary.name) / "empty"
         empty.mkdir()
-        for folder, said in ((empty, "no measurements"), (empty / "none", "no such folder")):
+        for folder, message in ((empty, "no measurements"), (empty / "none", "no such folder")):
             done = self.run_script(folder)
             self.assertEqual(done.returncode, 1)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn(said, done.stderr)
+            self.assertIn(message, done.stderr)
 
     def test_run_does_not_differ_from_itself(self):
         data = self.data()

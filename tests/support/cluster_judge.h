@@ -155,9 +155,9 @@ private:
         isUsed[v] = true;
         triangle[c] = decoded.vertices[v];
       }
-      std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangleNumbers[t]);
-      demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle ||
-               std::array<Corner, 3>{said[2], said[0], said[1]} == triangle,
+      std::array<Corner, 3> reported = triangleOf(*cluster.part, cluster.triangleNumbers[t]);
+      demand(reported == triangle || std::array<Corner, 3>{reported[1], reported[2], reported[0]} == triangle ||
+               std::array<Corner, 3>{reported[2], reported[0], reported[1]} == triangle,
              "a triangle is not the part's");
       found.add(triangle[0], triangle[1], triangle[2]);
     }

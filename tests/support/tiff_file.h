@@ -16,21 +16,21 @@
 
 namespace cbvh::test {
 
-/* The values of the tags that the writer uses, from the TIFF 6.0 specification. */
+/* The values of a page's tags, from the TIFF 6.0 specification and GDAL's, and the form of the file. */
 struct TiffLayout
 {
   unsigned width = 0, height = 0;
-  unsigned bits = 8;
+  unsigned bits = 8;         // per sample; multiples of 8 if isPlanar or tile is set
   unsigned format = 1;       // SampleFormat: 1 unsigned, 2 signed, 3 floating point, 5 and 6 complex
   unsigned photometric = 1;  // 0 white is zero, 1 black is zero, 2 RGB, 3 palette, 5 CMYK, 6 YCbCr, 8 CIELab
   unsigned samples = 1;      // per pixel
   bool isPlanar = false;     // one plane per sample
-  unsigned tile = 0;         // edge of the tiles, a multiple of 16; 0: one strip
+  unsigned tile = 0;         // edge of the tiles, a multiple of 16; 0: one strip, or one per plane
   int extra = -1;            // ExtraSamples of the last sample: 0 unspecified, 1 associated alpha, 2 unassociated alpha
   std::vector<uint16_t> colors; // of a palette: all red, all green, all blue values
   std::string nodata;        // GDAL's tag 42113, left out if empty
   unsigned subfile = 0;      // NewSubfileType: 1 a smaller copy of the page before, 4 a mask
-  bool isBigEndian = false, isBigTiff = false;
+  bool isBigEndian = false, isBigTiff = false; // for writeTiff; TiffWriter has its own
 };
 
 class TiffWriter
@@ -49,9 +49,9 @@ public:
     put(0, offsetBytes());
   }
 
-  /* Appends a page. samples: the pixels row by row, all samples of a pixel together, as native bytes of `bits`; rows of
-   * bilevel images are padded to bytes. */
-  void page(const TiffLayout& t, const std::string& samples)
+  /* Appends a page. samples: the pixels row by row, all samples of a pixel together, as little-endian numbers of `bits`
+   * bits; rows of bilevel images are padded to bytes. Complex samples are only valid in little-endian files. */
+  void addPage(const TiffLayout& t, const std::string& samples)
   {
     std::vector<uint64_t> offsets, sizes;
     for (const std::string& chunk : chunks(t, samples))
@@ -63,40 +63,40 @@ public:
     bytes.resize((bytes.size() + 7) / 8 * 8);
     entries.clear();
     if (t.subfile)
-      entry(254, 4, {t.subfile});
-    entry(256, 4, {t.width});
-    entry(257, 4, {t.height});
-    entry(258, 3, std::vector<uint64_t>(t.samples, t.bits));
-    entry(259, 3, {1});
-    entry(262, 3, {t.photometric});
+      addEntry(254, Long, {t.subfile});                                    // NewSubfileType
+    addEntry(256, Long, {t.width});                                        // ImageWidth
+    addEntry(257, Long, {t.height});                                       // ImageLength
+    addEntry(258, Short, std::vector<uint64_t>(t.samples, t.bits));        // BitsPerSample
+    addEntry(259, Short, {1});                                             // Compression: none
+    addEntry(262, Short, {t.photometric});                                 // PhotometricInterpretation
     if (!t.tile)
-      entry(273, 4, offsets);
-    entry(277, 3, {t.samples});
+      addEntry(273, Long, offsets);                                        // StripOffsets
+    addEntry(277, Short, {t.samples});                                     // SamplesPerPixel
     if (!t.tile)
     {
-      entry(278, 4, {t.height});
-      entry(279, 4, sizes);
+      addEntry(278, Long, {t.height});                                     // RowsPerStrip
+      addEntry(279, Long, sizes);                                          // StripByteCounts
     }
-    entry(284, 3, {t.isPlanar ? 2u : 1u});
+    addEntry(284, Short, {t.isPlanar ? 2u : 1u});                          // PlanarConfiguration
     if (!t.colors.empty())
-      entry(320, 3, {t.colors.begin(), t.colors.end()});
+      addEntry(320, Short, {t.colors.begin(), t.colors.end()});            // ColorMap
     if (t.tile)
     {
-      entry(322, 4, {t.tile});
-      entry(323, 4, {t.tile});
-      entry(324, 4, offsets);
-      entry(325, 4, sizes);
+      addEntry(322, Long, {t.tile});                                       // TileWidth
+      addEntry(323, Long, {t.tile});                                       // TileLength
+      addEntry(324, Long, offsets);                                        // TileOffsets
+      addEntry(325, Long, sizes);                                          // TileByteCounts
     }
     if (t.extra >= 0)
-      entry(338, 3, {unsigned(t.extra)});
-    entry(339, 3, std::vector<uint64_t>(t.samples, t.format));
+      addEntry(338, Short, {unsigned(t.extra)});                           // ExtraSamples
+    addEntry(339, Short, std::vector<uint64_t>(t.samples, t.format));      // SampleFormat
     if (t.photometric == 6)
-      entry(530, 3, {1, 1}); // chroma is not subsampled
+      addEntry(530, Short, {1, 1});                                        // YCbCrSubSampling: none
     if (!t.nodata.empty())
     {
       std::vector<uint64_t> text(t.nodata.begin(), t.nodata.end());
       text.push_back(0);
-      entry(42113, 2, text);
+      addEntry(42113, Ascii, text);                                        // GDAL_NODATA
     }
     writeDirectory();
   }
@@ -104,9 +104,12 @@ public:
   void save(const std::string& path) const { std::ofstream(path, std::ios::binary) << bytes; }
 
 private:
+  enum Type { Ascii = 2, Short = 3, Long = 4 };
+
   struct Entry
   {
-    unsigned tag, type;
+    unsigned tag;
+    Type type;
     std::vector<uint64_t> values;
   };
 
@@ -122,12 +125,12 @@ private:
 
   void put(uint64_t value, unsigned size) { bytes += number(value, size, isBigEndian); }
 
-  void entry(unsigned tag, unsigned type, const std::vector<uint64_t>& values)
+  void addEntry(unsigned tag, Type type, const std::vector<uint64_t>& values)
   {
     entries.push_back({tag, type, values});
   }
 
-  static unsigned typeBytes(unsigned type) { return type == 2 ? 1 : type == 3 ? 2 : 4; }
+  static unsigned typeBytes(Type type) { return type == Ascii ? 1 : type == Short ? 2 : 4; }
 
   std::string valuesOf(const Entry& e) const
   {
@@ -139,11 +142,11 @@ private:
 
   void writeDirectory()
   {
-    std::vector<uint64_t> places(entries.size());
+    std::vector<uint64_t> offsets(entries.size());
     for (size_t i = 0; i < entries.size(); i++)
     {
       const std::string values = valuesOf(entries[i]);
-      places[i] = bytes.size();
+      offsets[i] = bytes.size();
       if (values.size() > offsetBytes())
         bytes += values + std::string(values.size() % 2, '\0');
     }
@@ -157,7 +160,7 @@ private:
       put(entries[i].values.size(), offsetBytes());
       std::string values = valuesOf(entries[i]);
       if (values.size() > offsetBytes())
-        values = number(places[i], offsetBytes(), isBigEndian);
+        values = number(offsets[i], offsetBytes(), isBigEndian);
       values.resize(offsetBytes());
       bytes += values;
     }
@@ -165,7 +168,7 @@ private:
     put(0, offsetBytes());
   }
 
-  /* The strips or tiles, in the byte order of the file. */
+  /* Returns the strips or tiles, in the byte order of the file. */
   std::vector<std::string> chunks(const TiffLayout& t, std::string samples) const
   {
     const unsigned size = t.bits / 8;
@@ -194,7 +197,7 @@ private:
 
   bool isBigEndian, isBigTiff;
   std::string bytes;
-  size_t link = 0; // of the offset of the next directory
+  size_t link = 0; // position in `bytes` where the offset of the next directory is stored
   std::vector<Entry> entries;
 };
 
@@ -202,11 +205,11 @@ private:
 inline void writeTiff(const std::string& path, const TiffLayout& layout, const std::string& samples)
 {
   TiffWriter writer(layout.isBigEndian, layout.isBigTiff);
-  writer.page(layout, samples);
+  writer.addPage(layout, samples);
   writer.save(path);
 }
 
-/* The native bytes of samples. */
+/* The bytes of samples, as TiffWriter::addPage expects them on a little-endian machine. */
 template<typename T>
 std::string bytesOf(const std::vector<T>& samples)
 {

@@ -29,11 +29,11 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 # files.
 refuses() {
   text=$1; shift
-  ! provide "$@" > log 2>&1 || fail "accepted: $text"
-  grep -q "^ *upstream: .*$text" log || { cat log; fail "message lacks: $text"; }
-  [ "$(grep -c 'upstream: ' log)" = 1 ] || { cat log; fail "more than one line: $text"; }
+  ! provide "$@" > log 2>&1 || fail "an invalid source is accepted: expected an error with \"$text\""
+  grep -q "^ *upstream: .*$text" log || { cat log; fail "the message does not contain \"$text\""; }
+  [ "$(grep -c 'upstream: ' log)" = 1 ] || { cat log; fail "the message does not have one line: $text"; }
   for left in tree* cache/.download* cache/*.part; do
-    [ ! -e "$left" ] || fail "left behind: $left"
+    [ ! -e "$left" ] || fail "$left remains after the error \"$text\""
   done
   echo "rejected: $(grep -m 1 'upstream: ' log)"
 }
@@ -80,7 +80,7 @@ mv kept upstream/patches/subdiv-accel.patch
 # Applied twice: the second time must not touch any file.
 contents() { find tree -type f -printf '%p %T@ ' -exec md5sum {} +; }
 provide "$archive"
-grep -q createCompressedAccel tree/kernels/common/scene.cpp || fail "not patched"
+grep -q createCompressedAccel tree/kernels/common/scene.cpp || fail "the tree is not patched"
 contents > once
 provide "$archive"
 contents > twice
@@ -102,7 +102,8 @@ find tree -exec touch -d '2 hours ago' {} +
 provide "$archive"
 ! grep -q OnlyActiveRays tree/kernels/common/rtcore.cpp || fail "the old patch is still applied"
 changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
-[ "$changed" = tree/kernels/common/rtcore.cpp ] || fail "written: $changed"
+[ "$changed" = tree/kernels/common/rtcore.cpp ] ||
+  fail "these files are written again: $changed: expected only rtcore.cpp"
 
 # Interrupted after upstream has configured its files, before our files follow.
 echo 'cmake_language(DEFER CALL message FATAL_ERROR "interrupted")' > interrupt.cmake

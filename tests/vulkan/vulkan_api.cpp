@@ -39,11 +39,12 @@ TEST(Validation, ReportsLeaksAndMissingSynchronization)
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   VkBuffer buffer;
   ASSERT_EQ(vkCreateBuffer(device.handles.device, &info, nullptr, &buffer), VK_SUCCESS);
-  std::string said;
-  for (const std::string& message : device.destroy()) said += message + "\n";
-  EXPECT_TRUE(has(said, "SYNC-HAZARD-WRITE-AFTER-WRITE")) << said;
+  std::string messages;
+  for (const std::string& message : device.destroy()) messages += message + "\n";
+  EXPECT_TRUE(has(messages, "SYNC-HAZARD-WRITE-AFTER-WRITE")) << messages;
   // The validation layers of Debian 12 and 13 number the same rule differently.
-  EXPECT_TRUE(has(said, "VUID-vkDestroyDevice-device-00378") || has(said, "VUID-vkDestroyDevice-device-05137")) << said;
+  EXPECT_TRUE(has(messages, "VUID-vkDestroyDevice-device-00378") || has(messages, "VUID-vkDestroyDevice-device-05137"))
+    << messages;
 }
 
 // --- arguments ---------------------------------------------------------------------------------

@@ -44,9 +44,9 @@ TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
     });
     recorded.submitAndWait();
   }
-  std::string said;
-  for (const std::string& message : vulkan->validation.messages.take()) said += message + "\n";
-  EXPECT_TRUE(has(said, "out of bounds")) << said;
+  std::string messages;
+  for (const std::string& message : vulkan->validation.messages.take()) messages += message + "\n";
+  EXPECT_TRUE(has(messages, "out of bounds")) << messages;
 }
 
 TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)

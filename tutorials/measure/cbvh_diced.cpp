@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares compressed diced geometry with Embree's own kernel: memory, commits, and rays, traced alternately. */
+/* Compares compressed diced geometry with Embree's own kernel: memory, time of commits, and speed of rays, which are
+ * traced alternately. */
 
 #include "building/diced_surface.h"
 #include "measure/interleaved_speed.h"
@@ -51,41 +52,46 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const PictureRays picture(model, embree.handle(), options.compared.size, false);
   const std::vector<RTCRayHit>* const sets[3] = {&picture.primary, &picture.tiles, &picture.bounces};
   std::vector<RTCRayHit> hits[2];
-  double speed[3];
+  double speedup[3];
   size_t disagreements = 0, rays = 0;
-  const FlushDenormals fast;
+  const FlushDenormals denormals;
   for (int set = 0; set < 3; set++)
   {
     const TimedQuery query = set == 1 ? TimedQuery::Packets : TimedQuery::Single;
-    speed[set] = medianSpeedup(embree.handle(), ours.handle(), *sets[set], query, options.compared.repeat, hits);
+    speedup[set] = medianSpeedup(embree.handle(), ours.handle(), *sets[set], query, options.compared.repeat, hits);
     const float tolerance = 1e-3f * model.cage.bounds().diagonal();
     for (size_t i = 0; i < sets[set]->size(); i++) disagreements += !agree(hits[0][i], hits[1][i], tolerance);
     rays += sets[set]->size();
   }
-  const double quads = double(surface.numQuads()), inputBytes = double(ours.inputBytes) / quads;
+  const double quads = double(surface.numQuads());
   const RTCCompressionStatistics& s = ours.statistics;
   std::printf("| %s | %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.4f |\n",
               model.name.c_str(), input.name.c_str(), quads * 1e-6, double(embree.bytes) / quads,
-              double(ours.bytes) / quads, double(ours.peak) / quads, inputBytes, median(embree.seconds),
-              median(ours.seconds), median(ours.seconds) / median(embree.seconds), speed[0], speed[1], speed[2],
-              100.0 * double(disagreements) / double(rays));
+              double(ours.bytes) / quads, double(ours.peak) / quads, double(ours.inputBytes) / quads,
+              median(embree.seconds), median(ours.seconds), median(ours.seconds) / median(embree.seconds), speedup[0],
+              speedup[1], speedup[2], 100.0 * double(disagreements) / double(rays));
   if (s.numRawBlocks || s.numQuads != surface.numQuads() || s.numIrregularQuads)
-    std::printf("  (%zu of %zu blocks are raw, %zu quads are in blocks, %zu of them irregular)\n", s.numRawBlocks,
-                s.numBlocks, s.numQuads, s.numIrregularQuads);
+    std::printf("  (%s, %s: %zu of %zu quads are compressed, %zu of them in no grid of at least 4 x 4 quads; %zu of "
+                "%zu blocks store floats)\n",
+                model.name.c_str(), input.name.c_str(), s.numQuads, surface.numQuads(), s.numIrregularQuads,
+                s.numRawBlocks, s.numBlocks);
   std::fflush(stdout);
 }
 
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Compares compressed diced geometry with Embree's own kernel of its type. Prints bytes per quad without "
-               "the application's buffers, seconds of commits, the relative speed of rays, and the percentage of rays "
-               "whose hits differ by more than a thousandth of the cage's diagonal.",
+  CLI::App app("Compares compressed diced geometry with Embree's own kernel of its type. Prints bytes per quad (after "
+               "the commit, at its peak, both without the application's buffers, and of these buffers), seconds of "
+               "commits and their ratio, the speed of rays in multiples of Embree's, and the percentage of rays that "
+               "hit in only one of the scenes, or at distances that differ by more than a thousandth of the cage's "
+               "diagonal.",
                "cbvh_diced");
   options.compared.addOptions(app);
   app.add_option("--input", options.inputs,
-                 "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads and triangles in "
-                 "the order of OpenSubdiv's refinement, the last two also with :rows or :shuffled")
+                 "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads or triangles in "
+                 "the order of OpenSubdiv's refinement, the last two also with :rows (patch by patch, row by row) or "
+                 ":shuffled (random order)")
     ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_flag("--compact", options.compact,
                "compare with Embree's compact mode (RTC_SCENE_FLAG_COMPACT): less memory, slower rays");

@@ -4,7 +4,7 @@
 #include "comparison.h"
 #include "options.h"
 #include "report.h"
-#include "saved_picture.h"
+#include "saved_scene_picture.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
 #include "programs/run_program.h"
@@ -21,7 +21,7 @@ int run(int argc, char** argv)
   cbvh::prepareOutputFolder(options->output);
   if (!options->loadPath.empty())
   {
-    cbvh::renderSaved(*options);
+    cbvh::renderSavedScene(*options);
     return 0;
   }
   const cbvh::ModelView view(*options);

@@ -51,10 +51,12 @@ static bool parseSwitch(const std::string& text, bool& value)
 static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
-/* Names of representations are not case-sensitive. */
+/* Names of representations are not case-sensitive. Converts A to Z only, unlike std::tolower, which depends on the
+ * locale: a Turkish one does not convert I to i. */
 static std::string lowerCase(std::string text)
 {
-  for (char& c : text) c = char(std::tolower((unsigned char)c));
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
   return text;
 }
 

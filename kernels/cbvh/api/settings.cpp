@@ -10,7 +10,6 @@
 #include "../base/environment.h"
 #include "../base/kinds.h"
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -29,9 +28,11 @@ namespace embree
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 
+  /*! Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
   static std::string lowerCase (std::string text)
   {
-    for (char& c : text) c = char(std::tolower((unsigned char)c));
+    for (char& c : text)
+      if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
     return text;
   }
 

@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -35,9 +34,12 @@ const char* nameOf(VkResult result)
   }
 }
 
+/* Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
 std::string lowerCase(std::string text)
 {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z')
+      c = char(c + ('a' - 'A'));
   return text;
 }
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "saved_picture.h"
+#include "saved_scene_picture.h"
 #include "picture_files.h"
 #include "speed.h"
 
@@ -121,7 +121,7 @@ void render(const Options& options, const std::string& file, const std::string& 
 
 } // namespace
 
-void renderSaved(const Options& options)
+void renderSavedScene(const Options& options)
 {
   const std::string name = std::filesystem::path(options.loadPath).stem().string();
   render(options, options.loadPath, name, nullptr, {}, nlohmann::json::object());
