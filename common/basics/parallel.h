@@ -24,8 +24,8 @@ inline unsigned threadCount(int requested)
 }
 
 /* Calls body(begin, end) for ranges of at most `chunk` > 0 indices that cover [0,n), in any order, on up to `threads`
- * threads including the calling one. `body` must be thread-safe. Rethrows its first exception. Throws Canceled after a
- * cancellation. Leaves out ranges that have not begun by then. */
+ * threads including the calling one, fewer if the system refuses more. `body` must be thread-safe. Rethrows its first
+ * exception. Throws Canceled after a cancellation. Leaves out ranges that have not begun by then. */
 template<typename Body>
 void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
 {
@@ -47,8 +47,14 @@ void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
     }
   };
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < threads; i++)
-    pool.emplace_back(work);
+  try
+  {
+    for (unsigned i = 1; i < threads; i++)
+      pool.emplace_back(work);
+  }
+  catch (const std::exception&) // a limit of the system
+  {
+  }
   work();
   for (std::thread& t : pool)
     t.join();

@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "basics/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+TEST(Parallel, RangesCoverAllIndicesOnce)
+{
+  for (size_t n : {0, 1, 63, 1000})
+    for (size_t chunk : {1, 7, 5000})
+      for (unsigned threads : {1u, 3u}) {
+        std::vector<std::atomic<int>> calls(n);
+        parallelFor(n, chunk, threads, [&](size_t begin, size_t end) {
+          EXPECT_LE(end - begin, chunk);
+          for (size_t i = begin; i < end; i++) calls[i]++;
+        });
+        for (const auto& count : calls) ASSERT_EQ(count, 1);
+      }
+}
+
+TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates)
+{
+  // The limits belong to the process. Each thread needs 2 MiB or more for its stack.
+  const auto child = [] {
+    size_t pages = 0;
+    if (FILE* file = std::fopen("/proc/self/statm", "r")) {
+      if (std::fscanf(file, "%zu", &pages) != 1) pages = 0;
+      std::fclose(file);
+    }
+    const rlim_t bytes = rlim_t(pages)*rlim_t(sysconf(_SC_PAGESIZE)) + (rlim_t(64) << 20);
+    const rlimit limit = {bytes, bytes};
+    setrlimit(RLIMIT_AS, &limit);
+    std::atomic<size_t> sum{0};
+    parallelFor(1000, 1, 10000, [&](size_t begin, size_t) { sum += begin; });
+    std::_Exit(sum == 999*1000/2 ? 0 : 1);
+  };
+  EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
+}
+
+} // namespace
+} // namespace cbvh::test
