@@ -21,7 +21,7 @@ requires:
 
 The limits hold for the default options. With fewer samples each shadowed ray darkens its pixel by more.
 
-Exits with 77 if Blender is missing or its Cycles does not load Embree 3, or Embree 4 without an interposer.
+Exits with 77 if Blender is missing, if its Cycles loads no Embree, or if it loads Embree 4 and no interposer is given.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sizes, offsets and annotated blocks must equal the tables of framed_block.md. */
+/* Sizes and constants must equal the tables of framed_block.md, annotated blocks the tables of framed_example.md. */
 
 #include "codec/format_pages.h"
 #include "support/encoded_block.h"

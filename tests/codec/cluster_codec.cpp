@@ -122,7 +122,7 @@ TEST(ClusterCodec, Compressed1RoundTripsVertices)
   }
 }
 
-// The largest floats are close to 2^128. They are 8,388,607 spacings of 2^105, plus half a spacing.
+// The largest float, almost 2^128, is 8,388,607 spacings of 2^105, plus half a spacing.
 TEST(ClusterCodec, LargestFloatsStayFinite)
 {
   Random random(183);
@@ -201,7 +201,7 @@ TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
   EXPECT_GT(refused, 100u);
 }
 
-// Bits per index of the strip of a whole grid, in a block with small offsets.
+// Bits per index of the strip of a whole grid, in a block with small offsets. 6 if it does not fit even then.
 unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
 {
   Grid grid(quadsX, quadsY);
@@ -309,7 +309,7 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
     Grid grid(1 + random.below(16), 1 + random.below(16));
     grid.fill(random, 2, -12345, random.below(17));
     const bool hasGaps = random.chance(0.2);
-    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // some quads without bounds
+    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // many quads without triangles
     ASSERT_TRUE(place(grid, *points));
     const dgf::Tiling tiling(*points, grid.width - 1, grid.height - 1);
     ASSERT_TRUE(tiling.isPossible);

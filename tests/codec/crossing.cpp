@@ -65,7 +65,7 @@ Parabola<double> randomParabola(Random& random)
   case 1: f.f0 = 0; break;
   case 2: f.f1 = 0; break;
   case 3: f.f1 = -f.f0; break;
-  case 4: f.saddle = f.f0 - f.f1; break; // no linear part except for the chord
+  case 4: f.saddle = f.f0 - f.f1; break; // no linear term
   default: break;
   }
   return f;
@@ -87,8 +87,8 @@ TEST(Crossing, RootIsAtChangeOfSign)
     if (expected > 1 - 1e-6) continue; // covered by the next test
     ASSERT_GE(k, 0);
     ASSERT_LE(k, 1);
-    // 1e-6 is the square root of the rounding error of double, for nearly double roots. An end with f = 0 is a root,
-    // too.
+    // The error of nearly double roots is about the square root of double's rounding error. An end with f = 0 is a
+    // root, too.
     if (f.f0 != 0 && f.f1 != 0) {
       ASSERT_NEAR(k, expected, 1e-6);
     }
@@ -195,7 +195,7 @@ TEST(Crossing, LipIsHitWhereSamplesAreInside)
   EXPECT_LT(undecided, 200u);
 }
 
-// Computed by hand: the ray is near the side for k from 1/2 to 1; the vertex of the parabola is at 3/4.
+// Computed by hand: the ray is near the side for k from 1/2 to 1; if f is the same at both, its vertex is at 3/4.
 TEST(Crossing, LipIsHitAtFirstOfEntryExitAndVertexWithinReach)
 {
   const double p0 = 1, p1 = 0, width = 0.5, reach = 0.1, epsilon = 0;
@@ -228,9 +228,9 @@ TEST(Crossing, DoesNotDivideByZero)
     lip.f = randomParabola(random);
     if (random.chance(0.3)) lip.f.saddle = 0;
     if (random.chance(0.3)) lip.f.f0 = 0;
-    if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // no linear part, or no slope
+    if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // no linear term if f0 = 0, or no slope
   }
-  volatile double sum = 0; // sum of the results
+  volatile double sum = 0; // computed before the flags are tested
   std::feclearexcept(FE_ALL_EXCEPT);
   for (const LipCase& lip : cases) sum = sum + parabolaRoot(lip.f) + lip.meet().k;
   EXPECT_EQ(std::fetestexcept(FE_DIVBYZERO | FE_INVALID), 0);
@@ -274,7 +274,7 @@ TEST(Crossing, PatchIsBilinear)
 
 // --- crossings -----------------------------------------------------------------------------
 
-// Segments with random ends in the block's box, often inside the leaf.
+// Segments along the line through a point of the leaf and another point, one in ten moved away.
 Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon)
 {
   Segment<double> segment;
@@ -295,7 +295,7 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
     segment.epsilon[k] = epsilon*random.uniform();
   }
   if (random.chance(0.1)) std::swap(segment.P0, segment.P1);
-  if (random.chance(0.1)) segment.P1[random.below(3)] = segment.P0[random.below(3)]; // an extreme slope
+  if (random.chance(0.1)) segment.P1[random.below(3)] = segment.P0[random.below(3)];
   if (random.chance(0.1)) {
     const int k = int(random.below(3)); // along a plane
     segment.P1[k] = segment.P0[k];
@@ -310,7 +310,8 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
 
 double at(const Segment<double>& segment, int k, double s) { return (1 - s)*segment.P0[k] + s*segment.P1[k]; }
 
-// Distance of the line from the faces of the widened box, positive inside; face: the nearest one, 2 k + (1 if upper).
+// Distance of the line from the nearest face of the widened box, negative outside. face: this face, 2 k + (1 if upper).
+// second: the distance from the next one.
 double inside(const Segment<double>& segment, const NodeBox& box, double s, int* face = nullptr,
               double* second = nullptr)
 {
@@ -452,8 +453,8 @@ TEST(Crossing, HeightOverPatchIsParabola)
   EXPECT_GT(crossings, 1000u);
 }
 
-// "near" must be set if the ray comes within half a thickness, and must not be set if the distance is larger by a
-// quarter of the saddle. "nearEntry" is exact.
+// "near" must be set if the ray comes within half a thickness and epsilon, or if f changes its sign. It must not be set
+// otherwise if the distance is larger by a quarter of the saddle. "nearEntry" is exact.
 TEST(Crossing, NearIsSetForRaysWithinReachOfPatch)
 {
   Random random(47);

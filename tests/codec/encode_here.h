@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Encodes with the codec as the including file compiles it, so that a test can compare two builds. Include it once per
- * file, in a namespace of that file. */
+/* Encodes with the codec as the including file compiles it, so that a test can compare two builds. Define HERE before as
+ * a namespace that no other file uses. */
 
 #include "cvert/encoder/lattice.h"
 #include "cvert/encoder/motion_encoder.h"
@@ -14,8 +14,8 @@
 
 namespace cbvh::test::HERE {
 
-// Returns the bytes of a block of width x height quads with vertices snapped to 2^exponent. steps: vertices of each
-// time step, row by row.
+// Returns the bytes of a block of width x height quads. steps: x, y and z of the vertices of each time step, row by
+// row, which are snapped to multiples of 2^exponent.
 inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
                                    int exponent)
 {

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of framed_block.md, code by code, through the decoders. Encoder and decoders share the tables: if these
- * changed, all other tests would pass, but existing blocks would have another meaning. */
+/* The tables of framed_block.md, code by code, through the decoders, and the epsilon of framed_rays.md. Encoder and
+ * decoders share the tables: if these changed, all other tests would pass, but existing blocks would have another
+ * meaning. */
 
 #include "kernels/cbvh/framed/leaf/format.h"
 #include "kernels/cbvh/framed/local_ray.h"

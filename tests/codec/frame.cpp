@@ -273,7 +273,7 @@ TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
       }
 }
 
-// Nor may an axis be so steep that a box is thinner than the resolution of its position.
+// No axis may be so steep that a box is thinner than the resolution of its position.
 TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
 {
   Random random(27);
@@ -292,7 +292,7 @@ TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
     }
 }
 
-// From about 2^-14 on, needles should not be compressed. Flat sheets are always compressed.
+// Needles thinner than about 2^-14 of their length should not be compressed. Flat sheets are always compressed.
 TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
 {
   Random random(29);

@@ -91,7 +91,7 @@ struct Table
   }
 };
 
-// Values that cells may refer to, by the names in framed_leaves.md.
+// Values that cells may refer to, by their names in framed_hits.md.
 struct Facts
 {
   std::map<std::string, bool> yes;         // columns of "yes" and "no"
@@ -131,7 +131,7 @@ void expectState(const Facts& facts, const Cells& row, const WalkState& next)
   EXPECT_EQ(next.found, facts.flag(row.at("next found"), "found"));
 }
 
-// Without a hit there is no origin to compare.
+// Without a hit, `from` has no meaning.
 void expectResult(const Facts& facts, const Cells& row, const HitResult& result)
 {
   EXPECT_EQ(result.hit, hits.at(row.at("hit")));

@@ -21,7 +21,7 @@ using namespace embree::cbvh;
 // The encoder's slack, and the rounding of float arithmetic on numbers up to 4.
 constexpr double tolerance = containmentSlack + 0x1p-20;
 
-// The first kinds are height fields over the parent's box.
+// Up to ROUGH, height fields over the parent's box.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
 
 // rounding: largest distance of a neighboring face's copies of vertices, in parent extents.
@@ -73,7 +73,7 @@ NodeBox randomBox(Random& random)
   return box;
 }
 
-// Signed distance; false if the point is outside of the leaf's box.
+// distance: along z, positive if the surface is above p. Returns false if p is outside of the leaf's box.
 bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
   for (int k = 0; k < 3; k++)
@@ -108,7 +108,7 @@ std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e)
 }
 
 // A point of an edge must be in a leaf of the group (if leaves are separate, the quad's own) within half a thickness of
-// the surface. On the border of a block it must not be above that, and be within the border's width.
+// the surface. On the border of a block it must be below the surface, and within the border's width.
 void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
 {
   bool found = false;
@@ -242,7 +242,7 @@ struct Side
     return vertices[i] + (t - double(i))*(vertices[i + 1] - vertices[i]);
   }
 
-  // Morton index of a cell that contains it.
+  // Morton index of the i-th of the `cells` cells along it.
   uint32_t cell(uint32_t i, uint32_t cells) const
   {
     return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0);
@@ -400,7 +400,7 @@ TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
     }
 }
 
-// Between the two bounds of a leaf, from points on both.
+// Distance of the two bounds of a leaf in world space, by finite differences at its center.
 double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
 {
   const double slope[2] = {0.5*((leaf.z[1] + leaf.z[3]) - (leaf.z[0] + leaf.z[2]))/leaf.box.extent[0],

@@ -172,8 +172,7 @@ private:
   static uint32_t bits(uint64_t x) { uint32_t n = 0; for (; x; x >>= 1) n++; return n; }
   static int signed5(uint32_t x) { return int(x & 31) - ((x & 16) ? 32 : 0); }
 
-  // Returns the float `steps` after x, limited to the floats with the same exponent. Subtracts the used steps from
-  // `steps`.
+  // Returns the float `steps` after x, but at most 0 if x is negative. Subtracts the used steps less 1 from `steps`.
   static float next(float x, int64_t& steps)
   {
     uint32_t bits;

@@ -64,7 +64,7 @@ struct Saved
     surface.tree.insert(surface.tree.end(), (const char*)&entry, (const char*)(&entry + 1));
   }
 
-  // The message of a reader's error, or "".
+  // Writes and verifies a file. Returns the message of the reader's error, or "".
   std::string write(const std::string& path)
   {
     FileWriter writer(path);

@@ -85,8 +85,8 @@ Normal normal(const Point& a, const Point& b, const Point& c)
 }
 long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
 
-// Each triangle is stored once and does not flip or degenerate. Vertices move by at most half a spacing, and equal
-// positions stay equal.
+// Triangles are stored, or counted as invalid or degenerate. Stored ones do not flip or degenerate. Vertices move by at
+// most half a spacing per axis, and equal positions stay equal.
 void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 {
   const long double most = exponent == losslessExponent ? 0 : std::ldexp(0.5L, exponent);
@@ -189,7 +189,7 @@ TEST(MeshSource, NoTriangleFlipsOrDegenerates)
   Mesh needles;
   for (uint32_t i = 0; i < 1000; i++) {
     const float x = float(random.uniform(0, 100)), y = float(random.uniform(0, 100)), z = float(random.uniform(0, 1));
-    // 1e6
+    // aspect 1e6
     needles.points.insert(needles.points.end(), {{x, y, z}, {x + 50, y + 20, z}, {x + 50, y + 20 + 5e-5f, z + 5e-5f}});
     needles.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
   }
@@ -285,7 +285,7 @@ TEST(MeshSource, BytesPerTriangleStaySmall)
   EXPECT_LT(double(Stored(mesh, losslessExponent, 16).report.statistics.bytes)/triangles, 8.8);
 }
 
-// A cluster, with the number of its groups' last triangle plus 1.
+// ends: of each group, the position of its last triangle in the cluster, plus 1.
 struct Cluster
 {
   std::vector<MeshCenter> triangles;
