@@ -228,7 +228,7 @@ TEST(Crossing, DoesNotDivideByZero)
     lip.f = randomParabola(random);
     if (random.chance(0.3)) lip.f.saddle = 0;
     if (random.chance(0.3)) lip.f.f0 = 0;
-    if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // no linear term if f0 = 0, or no slope
+    if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // equal ends
   }
   volatile double sum = 0; // computed before the flags are tested
   std::feclearexcept(FE_ALL_EXCEPT);

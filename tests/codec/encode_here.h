@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Encodes with the codec as the including file compiles it, so that a test can compare two builds. Define HERE before as
+/* Encodes with the codec as the including file compiles it, so that a test can compare two builds. Define HERE before:
  * a namespace that no other file uses. */
 
 #include "cvert/encoder/lattice.h"

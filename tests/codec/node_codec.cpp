@@ -76,7 +76,7 @@ uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
   return encodeNode(parent, moved);
 }
 
-// On one random path from the root to level 8. Returns for how many levels and variants a child was not contained.
+// On one random path from the root to level 8. Returns how many children were not contained, over all variants.
 template<typename Encode>
 unsigned violations(Random& random, int shape, const Encode& encode)
 {

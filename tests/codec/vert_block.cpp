@@ -406,7 +406,7 @@ TEST(VertBlock, SpacingsAreTheFinestOfExactBoxes)
   }
 }
 
-// Their quotient is less than all floats.
+// Their quotient is less than all positive floats.
 TEST(VertBlock, TinyCoordinatesNextToLargeOnesRoundTrip)
 {
   auto encoder = std::make_unique<VertEncoder>();

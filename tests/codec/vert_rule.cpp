@@ -18,7 +18,7 @@ namespace {
 
 using namespace cvert;
 
-// Every third is similar to `like`, so that products are nearly or exactly equal.
+// Every second is similar to `like` or -`like`, so that products are nearly or exactly equal.
 float drawn(Random& random, float like)
 {
   switch (random.below(6)) {
@@ -49,7 +49,7 @@ TEST(VertRule, IntegerSignsMatchDoubles)
   for (size_t n : found) EXPECT_GT(n, 100000u);
 }
 
-// Points of an integer grid, computed with integers; an inner point is in exactly one triangle.
+// Vertices on an integer grid, computed with integers.
 TEST(VertRule, EdgesBelongToBothTriangles)
 {
   Random random(102);

@@ -21,7 +21,7 @@ protected:
     clearCancel();
   }
 
-  /* Builds a third of a million quads. */
+  /* Builds 393216 quads. */
   void build()
   {
     BuildSettings settings;

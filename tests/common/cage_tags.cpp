@@ -33,7 +33,8 @@ protected:
     return BuiltScene(model, {GetParam(), 1}, settings);
   }
 
-  /* Distance of the surface from the center in a direction; infinite for a miss. */
+  /* Distance of the surface from the center in a direction: negative if only the far side is hit, infinite for a miss.
+   */
   static float reach(const BuiltScene& scene, Vec3f direction)
   {
     const Ray ray{10.0f * normalize(direction), 0.0f, -normalize(direction), INFINITY};

@@ -126,7 +126,7 @@ HeightMap flat(int size, float height)
   return map;
 }
 
-/* A closed pyramid of a triangle and quads over a pentagon, without texture coordinates. */
+/* A closed prism over a pentagon, without texture coordinates. Its top consists of a triangle and a quad. */
 Cage mixedCage()
 {
   Cage cage;

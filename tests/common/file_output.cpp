@@ -47,7 +47,7 @@ protected:
   std::string at(const std::string& name) const { return (folder / name).string(); }
   size_t files() const { return size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator())); }
 
-  /* Expects an error of one line that contains `what`. */
+  /* Expects an Error whose message contains `what`. */
   static void expectError(const std::function<void()>& write, const std::string& what)
   {
     try
@@ -118,7 +118,6 @@ TEST_F(FileOutput, DevicesAndPipesAreWrittenInPlace)
   EXPECT_EQ(files(), 4u);
 }
 
-/* Like >(command) of a shell, and /dev/stdout redirected to a file. */
 /* For writers that do not distinguish devices and pipes from files, such as caches. */
 TEST_F(FileOutput, UnfinishedFileReplacesNoDeviceAndNoPipe)
 {
@@ -132,6 +131,7 @@ TEST_F(FileOutput, UnfinishedFileReplacesNoDeviceAndNoPipe)
   EXPECT_EQ(files(), 2u);
 }
 
+/* Like >(command) of a shell, and /dev/stdout redirected to a file. */
 TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInPlace)
 {
   int ends[2];

@@ -258,8 +258,8 @@ Cage fan(const std::vector<unsigned>& faceSizes)
   return cage;
 }
 
-/* Quads, and in their middle one face with this number of vertices. A ring has two vertices per quad, one more per
- * pentagon, and two between the borders: at most 129. */
+/* Quads, and in their middle one face with this number of vertices. A ring has n - 2 vertices per face of n vertices,
+ * and two between the borders: at most 129. */
 TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 {
   Random random(9);

@@ -191,7 +191,7 @@ TEST_F(MapFormats, SignedIntegersRangeFromMinusOneToOne)
     }
 }
 
-/* One sample per pixel, in layouts other than the types above. */
+/* Equal pixels, in layouts other than the types above. */
 TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRejectedByName)
 {
   struct Case

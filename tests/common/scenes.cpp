@@ -86,7 +86,7 @@ void expectClosedCage(const Cage& cage)
     EXPECT_GT(volume(cage, piece), 0.0) << cage.name << ": the piece of face " << piece[0];
 }
 
-/* On both sides of every edge. Heights from a position are equal; positions differ by rounding. */
+/* Offsets on both sides of every edge are equal up to the tolerance: positions differ by rounding. */
 void expectContinuous(const Cage& cage, const Displacement& d, int level, float tolerance)
 {
   const FaceBorders borders(cage);

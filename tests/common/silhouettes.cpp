@@ -19,7 +19,7 @@ protected:
   const Camera camera{{0, 0, 10}, {0, 0, 0}, {0, 1, 0}, 40, {size, size}};
   const std::vector<Ray> rays = primaryRays(camera);
 
-  // On the plane through the point below the camera with this normal.
+  // Hit of a plane with this normal, which the camera's axis crosses at `depth`.
   SurfaceHit hitOf(size_t ray, float depth, Vec3f normal) const
   {
     SurfaceHit hit;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all three kinds.
+/* libFuzzer target: random bytes as a ray and a block, traced by the intersector of one of the three kinds with frames.
  *
  * Preconditions of traversal hold: the kind matches the leaf type of the top level, the height is at most
  * maxFramedLevel, and the block has all bytes of its layout. Everything else is arbitrary: traversal must not read
@@ -200,7 +200,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const ExactMemory memory(data, bytes, blockAlignment);
   Block* block = (Block*)memory.get();
   memcpy(block, &header, sizeof(header));
-  invalidateThreadCaches(); // the next block may have the same address
+  invalidateThreadCaches(); // the previous block may have had the same address
   switch (kind) {
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;

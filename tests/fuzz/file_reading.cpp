@@ -150,7 +150,7 @@ void decode(const VertHeader* block)
   for (uint32_t step = 0; step < numSteps; step++) std::make_unique<DecodedBlock>(block, step);
 }
 
-// Returns the number of valid blocks.
+// Decodes the valid cVERT blocks. Returns their number plus the number of blocks with frames.
 uint64_t decodeBlocks(const File& file, size_t i)
 {
   const FileGeometry& record = file.geometry(i);

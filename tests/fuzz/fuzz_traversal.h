@@ -18,7 +18,7 @@ using namespace embree;
 using cvert::isFinite;
 using cvert::maxCoordinate;
 
-// Distances of hits of other rays are arbitrary, as in Embree.
+// True for rays within Embree's limits. The distances of other rays' hits are arbitrary, as in Embree.
 inline bool isSound(const RayBytes& ray)
 {
   double length = 0;

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec: arbitrary bytes as a mesh block. Validation reads no other bytes, and neither does decoding
-// of a valid block at every time step, including boxes and numbers. Indices of decoded triangles are vertices of their
-// group, and vertices of their block.
+// Fuzz target of the codec: arbitrary bytes as a mesh block. Validation reads no other bytes. Decoding of a valid block
+// at every time step, including boxes and numbers, reads at most vertReadPadding bytes after it. Indices of decoded
+// triangles are vertices of their group, and vertices of their block.
 
 #include "mesh_seeds.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"

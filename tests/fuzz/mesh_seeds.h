@@ -19,7 +19,7 @@ namespace cbvh::test {
 using namespace cvert;
 
 // Calls write(name, block, bytes) for sheets over the unit square: connected and as soups, on and off lattices, with
-// numbers in order and without order, at rest and with three time steps.
+// numbers in order and without order, at rest and (if connected) with three time steps.
 template<typename Write>
 void forEachMeshSeed(const Write& write)
 {
