@@ -146,7 +146,7 @@ typedef std::array<Vertex, 3> Triangle;
 
 Triangle turned(const Triangle& t) { return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}}); }
 
-// Neither missing nor degenerate ones.
+// Triangles without a missing vertex that are not degenerate.
 std::multiset<Triangle> trianglesOf(Grid& grid)
 {
   std::multiset<Triangle> all;
@@ -215,7 +215,7 @@ unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
   return decodeDgf(block->bytes, sizeof(block->bytes)).bitsPerIndex;
 }
 
-// For whole quads in one strip, which visits each inner vertex twice.
+// True if one strip of all quads, which visits each inner vertex twice, fits into a block.
 bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
 {
   const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1),

@@ -354,7 +354,7 @@ TEST(VertBlock, SheetOfFloatsIsSmallerThanFloats)
   EXPECT_LE(spacingOf(block, 2), std::ldexp(1.0f, -9));
 }
 
-TEST(VertBlock, OnlyTheBlockOfAStrayVertexIsRaw)
+TEST(VertBlock, StrayVertexAndItsNeighborRoundTrip)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (float stray : {1e6f, 1e12f, 1e18f}) {

@@ -41,6 +41,7 @@ TEST_P(BuildProgress, IsReportedDuringTheBuild)
       (fraction > 0.0 && fraction < 1.0 ? within : all).push_back(fraction);
   });
   build();
+  ASSERT_FALSE(all.empty());
   EXPECT_EQ(all.front(), 0.0);
   EXPECT_EQ(all.back(), 1.0);
   EXPECT_TRUE(std::is_sorted(within.begin(), within.end()));

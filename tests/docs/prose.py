@@ -37,7 +37,7 @@ def entries_of(name):
 
 
 def files():
-    """Paths of all files relative to the root. None outside of a git repository."""
+    """Paths of the files to check, relative to the root. None outside of a git repository."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode:

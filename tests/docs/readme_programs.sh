@@ -26,7 +26,7 @@ block() {
 cd "$work"
 block c 1 > first_ray.c
 [ "$(wc -l < first_ray.c)" -le 25 ] && [ -s first_ray.c ] ||
-  fail "the program has $(wc -l < first_ray.c) lines, at most 25"
+  fail "the program has $(wc -l < first_ray.c) lines: expected 1 to 25"
 
 # --- the page's compile line ------------------------------------------------------------------------
 

@@ -66,7 +66,7 @@ bool isSound(const Block* block)
     ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <=
                  64*double(maxCoordinate);
     const double W = ok ? map.W(corner) : 0;
-    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding reduces fitBox's 2
+    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // fitBox requires 2, before rounding
   }
   return ok;
 }

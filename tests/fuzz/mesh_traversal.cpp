@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a mesh block. Blocks must be valid, as before traversal. For static blocks
- * the decoder of this instruction set equals the scalar one. Traversal must not read outside of the block and its
- * padding, must not have undefined behavior, and must terminate; fuzz_traversal.h checks its hits. */
+/* libFuzzer target: random bytes as a ray and a mesh block. Blocks must be valid, as before traversal. For static
+ * blocks the decoder of this instruction set equals the scalar one. Traversal must not read outside of the block and
+ * its padding, must not have undefined behavior, and must terminate; fuzz_traversal.h checks its hits. */
 
 #include "fuzz_traversal.h"
 #include "mesh_seeds.h"
