@@ -150,15 +150,21 @@ void decode(const VertHeader* block)
   for (uint32_t step = 0; step < numSteps; step++) std::make_unique<DecodedBlock>(block, step);
 }
 
-// Decodes the valid cVERT blocks. Returns their number plus the number of blocks with frames.
+// Decodes the valid cVERT and mesh blocks. Returns their number plus the number of blocks with frames.
 uint64_t decodeBlocks(const File& file, size_t i)
 {
   const FileGeometry& record = file.geometry(i);
   uint64_t valid = 0;
   const Reason reason = forEachBlock(record, file.tree(i), [&](FileChild type, uint64_t offset) {
-    const VertHeader* const block = (const VertHeader*)(file.blocks(i) + offset);
-    if (type != FILE_FRAMED && validateVertBlock(record, block, size_t(record.blockBytes - offset))) return;
-    if (type != FILE_FRAMED) decode(block);
+    const char* const block = file.blocks(i) + offset;
+    const size_t bytes = size_t(record.blockBytes - offset);
+    if (isMesh(type)) {
+      if (validateMeshBlock(record, block, bytes)) return;
+      std::make_unique<DecodedMesh>((const MeshHeader*)block);
+    } else if (type != FILE_FRAMED) {
+      if (validateVertBlock(record, block, bytes)) return;
+      decode((const VertHeader*)block);
+    }
     valid++;
   });
   if (reason) REQUIRE(!reason.message().empty());

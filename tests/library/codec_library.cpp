@@ -30,11 +30,11 @@ using cvert::ErrorCode;
 
 typedef std::array<float, 3> Vertex;
 
-// Vertices of the parts of a geometry, as Embree's library reports them.
-std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry)
+// Vertices of the parts of a geometry at a time, as Embree's library reports them.
+std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry, float time)
 {
   std::vector<std::vector<Vertex>> parts;
-  rtcForEachCompressedPart(geometry, 0, [](void* user, const RTCCompressedPart* part) {
+  rtcForEachCompressedPart(geometry, time, [void* user, const RTCCompressedPart* part) {
     std::vector<Vertex> vertices;
     for (size_t i = 0; i < size_t(part->width)*part->height; i++)
       vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
@@ -77,7 +77,7 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
       EXPECT_EQ(blocks.size() + meshes.size(), file.geometry(0).numBlocks);
-      const std::vector<std::vector<Vertex>> parts = partsOf(geometry);
+      const std::vector<std::vector<Vertex>> parts = partsOf(geometry, file.geometry(0).begin);
       if (meshes.empty()) { ASSERT_EQ(parts.size(), blocks.size()); }
       std::set<Vertex> ofParts, ofMeshes; // primitives of mesh blocks are parts of four vertices
       for (const auto& part : parts)
