@@ -19,12 +19,13 @@ public:
   /* Creates the temporary file. Throws Error, also if this path is an input of the run (input_files.h). */
   explicit PendingFile(const std::string& path);
 
+  /* Removes the temporary file unless it was committed. */
   ~PendingFile();
 
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /* Path without extension, for writers that open the file themselves. */
+  /* For writers that open the file themselves. Lacks the extension of the final path. */
   const std::string& temporary() const;
 
   /* Returns false on failure; commit() then throws. `offset` is in bytes. */

@@ -17,7 +17,7 @@ using FileIdentity = std::pair<dev_t, ino_t>;
 std::mutex mutex;
 std::map<FileIdentity, std::string> inputs; // the path under which the file was read
 
-/* Returns false for devices and pipes, which are never replaced. */
+/* Returns false unless this is a regular file; others are never replaced. */
 bool findIdentity(const std::string& path, FileIdentity& identity)
 {
   struct stat status;

@@ -21,8 +21,8 @@ volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
-/* Read by signal handlers, which must not allocate. Empty before forceExitAfterCancel. */
-char cancelMessage[64] = "";
+/* Read by signal handlers, which must not allocate. */
+char cancelMessage[64] = ""; // empty before forceExitAfterCancel
 char unfinishedFile[PATH_MAX] = "";
 
 void onSignal(int signal)

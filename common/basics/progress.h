@@ -14,7 +14,8 @@
 
 namespace cbvh {
 
-/* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. The second signal ends the process. */
+/* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. A second one of the same kind ends the
+ * process. */
 void installCancelHandler();
 
 /* True after such a signal: the process must end soon. */

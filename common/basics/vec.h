@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Plain floats without alignment or SIMD. */
+/* Plain numbers without alignment or SIMD. */
 
 #include <algorithm>
 #include <cmath>

@@ -217,8 +217,8 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
   readStatistics();
   if (builtAs.isCompressed() && built.compression.numQuads == 0)
     std::fprintf(stderr,
-                 "%s: nothing of the mesh is compressed, because it contains no grids of quads: Embree's own kernel "
-                 "traces it\n",
+                 "%s: nothing of the mesh is compressed, because it has fewer than 256 faces or would not get smaller: "
+                 "Embree's own kernel traces it\n",
                  name.c_str());
 }
 

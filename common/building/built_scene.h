@@ -30,7 +30,7 @@ struct StoredMesh
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
 
-/* Bound on the movement of cVERT's vertices, in pixels of a camera. */
+/* Largest spacing of cVERT's lattice, in pixels of a camera. */
 struct PixelBound
 {
   float pixels = 0;     // 0 for none
@@ -45,7 +45,7 @@ struct BuildSettings
   int threads = 0;     // 0 for all
 
   /* cVERT: the coarsest lattice spacing, 0 for lossless. cLEAF and cVOXEL with an automatic frame level: the largest
-   * thickness of leaves, 0 for no bound. Negative: the library's default. */
+   * thickness of leaves, 0 for no bound. Negative: the library's default, or Model::spacing if a mesh has one. */
   float maxError = -1;
 
   PixelBound pixelBound;

@@ -33,7 +33,7 @@ struct EdgeRates
 /* Sets all members except for rates. The level of a vertex is the highest level of its edges. */
 void setLevels(const Cage& cage, EdgeRates& rates);
 
-/* Quads of a copy with these rates, one per face index. */
+/* Quads of a copy, including holes. `rates` holds one value per face index. */
 size_t countQuads(const Cage& cage, const std::vector<float>& rates);
 
 } // namespace cbvh

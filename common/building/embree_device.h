@@ -33,7 +33,8 @@ private:
 class EmbreeDevice
 {
 public:
-  /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if the library cannot compress. */
+  /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if it selects
+   * compression and the library has none. */
   explicit EmbreeDevice(const std::string& config);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;
@@ -50,7 +51,7 @@ private:
   static void onError(void* self, RTCError code, const char* message);
   static bool onMemory(void* self, ssize_t bytes, bool post);
 
-  MemoryMonitor monitor; // declared first: the device calls it until it is freed
+  MemoryMonitor monitor;
   RTCDevice device = nullptr;
   std::mutex mutex;
   RTCError errorCode = RTC_ERROR_NONE;

@@ -33,7 +33,7 @@ const std::vector<RepresentationKind>& representationKinds();
 const std::string& labelOf(RepresentationKind kind);
 const std::string& optionNameOf(RepresentationKind kind);
 
-/* Lists all names: "naive, grid, ...". `last` precedes the last one. */
+/* Lists all names: "naive, naive-compact, ...". `last` precedes the last one. */
 std::string listOfRepresentations(const std::string& separator, const std::string& last);
 inline std::string listOfRepresentations(const std::string& separator)
 {

@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* Quads that keep smooth shapes round: for an arc of about a right angle, 64 chords deviate by 1/4000 of its length. */
+/* Quads that keep smooth shapes round: the 64 chords of an arc of a right angle deviate by 1/20000 of its length. */
 constexpr float smoothRate = 64.0f;
 
 RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)

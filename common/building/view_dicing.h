@@ -20,12 +20,12 @@ struct ViewDicing
   float maxRate = 4096;
 };
 
-/* Returns edge rates for a view. The limit per edge is the number of texels along it, or 64 if that is more. Uses
- * threads and isa of the settings. Throws Error. */
+/* Returns edge rates for a view: at most dicing.maxRate, and with a displacement map at most the number of texels along
+ * the edge, or 64 if that is more. Uses threads and isa of the settings. Throws Error. */
 std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing,
                                             const BuildSettings& settings);
 
-/* Returns the settings with rates if `dicing` is set, and a lattice that moves vertices by at most `maxPixelError`,
+/* Returns the settings with rates if `dicing` is set, and lattices with a spacing of at most `maxPixelError` pixels,
  * 0 for no bound. Throws Error. */
 BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
                               const std::optional<ViewDicing>& dicing, float maxPixelError);

@@ -26,7 +26,7 @@ enum AimKind { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numAimKinds 
 
 using AimPoints = std::array<std::vector<AimPoint>, numAimKinds>;
 
-/* Picks about `count` points of each kind. `vertices` come from tessellate(). */
+/* Picks at most `count` points of each kind. `vertices` come from tessellate(). */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed);
 
 } // namespace cbvh

@@ -45,7 +45,8 @@ struct Tessellation
   }
 };
 
-/* Size of a bin along the ray, in pixels. NaN without a surface or a normal of quad or block. */
+/* Size of a bin along the ray, in pixels. NaN without a surface or a normal of the quad; 0 without a normal of
+ * the block. */
 float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const BlockGrid& blocks)
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());

@@ -26,7 +26,7 @@ struct HitErrors : ErrorSummary
    * and bias exclude them, because a few would dominate. */
   size_t outliers = 0;
   double inlierRmse = 0;
-  double bias = 0; // mean signed distance along the ray, positive behind the reference
+  double bias = 0; // mean signed distance along the ray in pixels, positive behind the reference
 };
 
 /* `reference` and `hits` hold one entry per ray. Ray directions have unit length; `footprint` is the width of a

@@ -98,7 +98,7 @@ public:
   }
 
 private:
-  /* If `grazing`, directions are within 6 degrees of the surface, slightly more if they end too close to it. */
+  /* If `grazing`, directions are within 6 degrees of the surface, more after each attempt that fails. */
   bool findInsidePoint(const std::vector<AimPoint>& from, bool grazing, InsidePoint& point)
   {
     for (int attempt = 0; attempt < 64 && !from.empty(); attempt++)

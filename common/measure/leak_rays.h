@@ -25,7 +25,7 @@ struct LeakSettings
   uint32_t seed = 1;
 };
 
-/* `through` counts rays that miss the wall in front of them by more than the thickness, and hit another wall from
+/* `through` counts rays that pass the wall in front of them by more than twice the thickness, and hit another wall from
  * outside. */
 struct Leaks
 {

@@ -29,7 +29,7 @@ struct SheetSettings
   bool packets = false;       // on the CPU
 };
 
-/* 4 x 4 flat faces over [-1,1]^2, displaced by waves of about ten quads. */
+/* 4 x 4 flat faces over [-1,1]^2, displaced by waves of 3 to 7 quads at frequency 1. */
 struct DisplacedSheet
 {
   int level = 5;
@@ -50,7 +50,7 @@ struct SheetCrossings
   size_t sheets = 0, rays = 0;
   size_t closest = 0;    // closest-hit queries that miss but hit GRID's sheet
   size_t any = 0;        // any-hit queries that miss but hit GRID's sheet
-  size_t gridMisses = 0;
+  size_t gridMisses = 0; // rays of such queries that also miss GRID's sheet, not counted above
   std::vector<std::string> examples; // at most 16
 };
 

@@ -17,7 +17,7 @@ enum class HitColors
   Sides,   // magenta if the normal points away from the viewer
 };
 
-/* Two lights. The geometric normal is flipped towards the viewer if necessary. */
+/* Two lights and a sky. The geometric normal is flipped towards the viewer if necessary. */
 class HitShader
 {
 public:

@@ -15,8 +15,8 @@ struct Output
   std::string option, path;
 };
 
-/* Throws Error with the option if an output would replace an input file of the model or another output. Compares the
- * files to which paths lead. */
+/* Records the model's files as inputs. Throws Error with the option if an output would replace an input or another
+ * output. Compares the files to which paths lead. */
 void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs);
 
 } // namespace cbvh

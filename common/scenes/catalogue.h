@@ -23,7 +23,7 @@ struct SceneSettings
   std::optional<float> midLevel; // this and the next two as in DisplacementMap
   std::string channel;
   Vec2f repeat{1, 1};
-  std::optional<float> mapScale;  // world units per unit of the map's values, replaces the amplitude
+  std::optional<float> mapScale;  // world units per unit of the map's values; excludes `amplitude`
   std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal; default: the scene's
   bool rough = false;             // trex and herd: five times the amplitude
   std::string mapping;            // trex and herd: "faces" (the default) or "atlas"
@@ -31,7 +31,7 @@ struct SceneSettings
   std::string mapFolder;          // for generated height maps; empty: the user's cache
   int threads = 0;                // for generating maps, 0 for all
   std::vector<std::string> cageEnds; // OBJ, at later time steps
-  std::string motion;                // replaces cageEnds, one of motionNames(); empty: static
+  std::string motion;                // one of motionNames(), excludes cageEnds; empty: none
   std::optional<int> steps;          // time steps of `motion`
 };
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* x points to the head, y up, +z to the left. */
+/* x points to the head, y up, z to the frog's right. */
 
 #include "scenes/frog.h"
 #include "basics/parallel.h"

@@ -67,7 +67,8 @@ public:
   uint8_t& at(int x, int y, int z) { return inside[(size_t(z) * ny + y) * nx + x]; }
   Vec3f corner(int x, int y, int z) const { return {lines[0][size_t(x)], lines[1][size_t(y)], lines[2][size_t(z)]}; }
 
-  /* Fills one voxel of each pair that shares only an edge or a corner. Terminates, because voxels are only added. */
+  /* Adds a voxel where two full or two empty ones share only an edge or a corner. Terminates, because voxels are only
+   * added. */
   void makeManifold()
   {
     for (bool changed = true; changed;)

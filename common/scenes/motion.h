@@ -13,12 +13,12 @@ namespace cbvh {
 struct MotionSettings
 {
   std::string name;    // one of motionNames()
-  int steps = 2;      // at least 2
+  int steps = 2;      // 2 to 129
   float degrees = 30; // from the first step to the last
 };
 
-/* "turn" rotates about the up axis; "bend" and "twist" increase with height; "walk" swings the parts below the
- * middle, forwards on one side and backwards on the other. */
+/* "turn" rotates about the y axis; "bend" and "twist" increase with y; "walk" swings the parts below the middle
+ * of y, forwards on one side and backwards on the other. */
 const std::vector<std::string>& motionNames();
 
 /* Throws Error. */

@@ -64,7 +64,7 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
   const float fx = float(ix), fy = float(iy), fz = float(iz);
-  /* Squared distances along one axis to the points in cells -1, 0 and 1. */
+  /* Lower bounds of squared distances along one axis to the points in cells -1, 0 and 1. */
   constexpr float margin = 0.1f; // between points and the walls of their cell, to make cells more equal
   auto axisDistances = [](float f, float out[3]) {
     const float below = f + margin, above = 1.0f + margin - f;

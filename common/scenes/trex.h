@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Similar to a Tyrannosaurus: a closed cage of about 7,000 quads with thousands of extraordinary vertices, and a skin
+/* Similar to a Tyrannosaurus: a closed cage of about 7,900 quads with thousands of extraordinary vertices, and a skin
  * of scales and wrinkles from a float EXR map of more than 4096 x 4096 texels.
  *
  * The map is generated, written, and read like any other map; it is reused if it was generated for this cage. Heights

@@ -19,7 +19,7 @@ float voxelSize(int axis, float coordinate)
   }
 }
 
-/* Half a jaw, on the left side. */
+/* Half a jaw, on the right side. */
 struct Jaw
 {
   Vec3f back, tip;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* The control cage of `trex`: a body from an implicit surface, and closed pieces that intersect it. One unit is
- * about a meter; x points from tail to head, y up, +z to the left. */
+ * about a meter; x points from tail to head, y up, z to its right. */
 
 #include "surface/cage.h"
 
@@ -23,7 +23,7 @@ struct TrexCage
 
 TrexCage makeTrexCage();
 
-/* The left eye; the right one is its mirror image in z. */
+/* The right eye; the left one is its mirror image in z. */
 constexpr Vec3f trexEye{3.95f, 5.15f, 0.4f};
 constexpr float trexEyeRadius = 0.12f;
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Lengths are in meters, heights in units of the amplitude (0.056 m in the smooth variant). */
+/* Lengths are in meters, heights in units of the amplitude (about 0.052 m in the smooth variant). */
 
 #include "scenes/trex_skin.h"
 #include "scenes/noise.h"

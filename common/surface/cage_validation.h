@@ -13,14 +13,15 @@ namespace cbvh {
 
 /* Turns faces beyond Embree's limits (16 vertices per face, 64 faces around a vertex) into holes.
  *
- * Appends one line to `warnings` for each kind of:
- * - faces beyond these limits,
+ * Appends a line to `warnings` for each face and each vertex beyond these limits, if all vertices have the same
+ * position, and for each kind of:
  * - edges that are not manifold: more than two faces, or two of opposite orientation. Embree leaves their vertices in
  *   place or makes a hard crease,
  * - vertices that join parts without a common edge,
  * - vertices at which Embree and OpenSubdiv have different crease rules.
  *
- * Throws Error with the cage's name if OpenSubdiv rejects the topology or a face contains a vertex twice. */
+ * Throws Error with the cage's name if OpenSubdiv rejects the topology, a face contains a vertex twice, or no face is
+ * left. */
 void validateCage(Cage& cage, std::string& warnings);
 
 } // namespace cbvh

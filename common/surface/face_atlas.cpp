@@ -97,7 +97,7 @@ private:
     }
   };
 
-  /* The coarsest mip level whose texels are not wider than the spacing. */
+  /* The finest mip level whose texels are not narrower than the spacing. */
   size_t levelFor(int level) const
   {
     size_t k = 0;

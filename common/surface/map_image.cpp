@@ -83,7 +83,7 @@ void compare(const void* samples, double value, std::vector<char>& equals)
     equals[i] = all[i] == T(value);
 }
 
-/* Finds samples that equal a value, before any conversion. The type can represent it exactly. */
+/* Finds samples that equal a value rounded to their type. */
 void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std::vector<char>& equals)
 {
   switch (type.basetype)

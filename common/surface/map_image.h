@@ -11,7 +11,7 @@
  * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
  *   window are neutral.
  * - TIFF with white as zero is inverted for all unsigned types; OpenImageIO does so for 8 bits only.
- * - Missing texels become neutral: NaN, -3.4e38 and below, and the value of GDAL's tag. */
+ * - Missing texels become neutral: NaN, finite values up to -3.4e38, and the value of GDAL's tag. */
 
 #include <OpenImageIO/imageio.h>
 

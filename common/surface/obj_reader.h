@@ -5,8 +5,8 @@
 
 /* Strict reader of Wavefront OBJ: v, vt, f with v, v/vt, v//vn and v/vt/vn, negative (relative) indices, faces of
  * any size, and OpenSubdiv's `t` tags (crease, corner, hole, interpolateboundary, creasemethod). Normals, groups,
- * objects, materials, smoothing groups, lines and display attributes are skipped. Everything else is an error,
- * because a misread file makes a wrong picture. */
+ * objects, materials, smoothing groups, lines, display attributes and tags whose names begin with facevarying are
+ * skipped. Everything else is an error, because a misread file makes a wrong picture. */
 
 #include "surface/cage.h"
 
@@ -16,7 +16,7 @@
 namespace cbvh {
 
 /* Reads a file, or a pipe that a program opens for writing within 10 seconds. Appends a line to `warnings` for the
- * tag smoothtriangles, which Embree does not support. Throws Error with path and line number, also for a file
+ * tag smoothtriangles with a rule that Embree does not support. Throws Error with path and line number, also for a file
  * without faces and for texture coordinates at only some corners of a face. */
 Cage readObj(const std::string& path, std::string& warnings);
 
