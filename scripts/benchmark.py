@@ -12,7 +12,7 @@
 
 --list prints what a set measures and how long that takes on this machine.
 
-Each scene has its own record under output/benchmark/SET, which is rewritten after each level. If a run was stopped or
+Each job has its own record under output/benchmark/SET, which is rewritten after each level. If a run was stopped or
 the disk was full, the same command continues with the first missing level. A record that is damaged or belongs to
 another build is measured again; the old one is kept as *.json.old until then. scripts/report.py makes a page of the
 records. Jobs that require a Vulkan device are skipped with a message if there is none.

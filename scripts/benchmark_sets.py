@@ -66,7 +66,7 @@ def checks(scenes, level, rays, what, seconds):
 
 
 def hard_checks(rays):
-    """All levels, frame levels that differ between faces, and positions far from the origin."""
+    """Levels 3 to 7, frame levels that differ between faces, and positions far from the origin."""
     options = f"--view full --size 64x64 --repeat 0 --true-surface 0 --check leaks --check-rays {rays}"
     mixed = "cgrid^2,cvoxel^auto,cleaf-only^2,cleaf-only^auto,cvert --max-error-diagonals 0.002"
     return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}",
@@ -189,7 +189,7 @@ OWN_SECONDS_PER_MILLION_QUADS = 24
 
 
 def own_cage(name, options, levels, faces):
-    """The job for a cage of the user. faces: number of faces with four corners, for the estimate."""
+    """The job for a cage of the user. faces: see faces_of in benchmark.py, for the estimate."""
     quads = faces * sum(4**level for level in levels)
     seconds = OWN_SECONDS_PER_LEVEL * len(levels) + OWN_SECONDS_PER_MILLION_QUADS * 1e-6 * quads
     words = f"--representation {FINE_FRAMES},naive,naive-compact --view full,close {options}"

@@ -7,7 +7,7 @@
     scripts/draw_includes.py            writes the Mermaid diagram between the page's two markers
     scripts/draw_includes.py --check    exits with 1 if the page has a different diagram
 
-An arrow means "includes". Arrows that follow from two others are left out to keep the diagram readable.
+An arrow means "includes". Arrows that follow from others are left out to keep the diagram readable.
 """
 
 import argparse

@@ -7,7 +7,8 @@
 # Measures every representation on a Vulkan device within MINUTES (default: 20), and writes JSON files for
 # scripts/report.py to the folder RESULTS. It runs inside the folder that gpu_bundle.sh made; the machine needs only a
 # driver. DEVICE is an index or a part of the device's name (default: the first discrete GPU). The most important runs
-# come first. Runs that would start after the deadline are skipped with a message.
+# come first. Runs are stopped at the deadline; those that would start less than 30 s before it are skipped with a
+# message.
 
 set -eu
 case ${1:-} in

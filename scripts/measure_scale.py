@@ -39,7 +39,7 @@ PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260, "naive-compact": 2
 
 
 class Run:
-    """A running program: its duration, peak resident memory and record."""
+    """A running program: its duration, peak anonymous memory and record."""
 
     def __init__(self, command, record=None, mapped=None):
         self.command = [str(word) for word in command] + (["--json", str(record)] if record else [])

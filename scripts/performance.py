@@ -6,7 +6,7 @@
 
     scripts/performance.py                  measures on the widest instruction set, some ten minutes
     scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least the options OPTIONS
-                                            in this file
+                                            and --mode of measure() in this file
 
 If the headline's figures change, change them in docs/figures.csv, too.
 """
@@ -165,7 +165,7 @@ def main():
     )
     parser.add_argument("--record", metavar="FILE", help="use this record instead of measuring")
     parser.add_argument(
-        "--front-only", action="store_true", help="write only the table of README.md"
+        "--front-only", action="store_true", help="write only the table and the headline of README.md"
     )
     options = parser.parse_args()
     rows = rows_of(records.read(options.record) if options.record else measure(options.bench))

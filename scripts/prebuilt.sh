@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Unpacks cbvh_render from a wheel or from Debian packages of this project in output/, so that it can be used without a
-# build. build/prebuilt/cbvh_render then starts it. Fails if there is none that fits, and says why.
+# build. build/prebuilt/cbvh_render then starts it. Fails if there is none that fits, and says why each was
+# rejected.
 #
 #   scripts/prebuilt.sh
 #

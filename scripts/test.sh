@@ -4,7 +4,7 @@
 #
 # Builds what is out of date and runs all tests.
 #
-#   scripts/test.sh [--all-isas] [CTEST-OPTION...]    for example -R Abi, or -L quick
+#   scripts/test.sh [--all-isas] [CTEST-OPTION...]    for example -R abi, or -L quick
 #
 # Builds for SSE2 and the best instruction set of this machine, into build/host, and fuzzes for a few seconds. With
 # --all-isas, which must come first, builds for every instruction set, into build/release, and fuzzes for longer.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Writes files completely or not at all, as our programs do: under a temporary name in the same folder, then renamed.
-Devices, pipes and the file of standard output are written in place, because a rename would replace them.
+Devices, pipes and the files of standard output and error are written in place, because a rename would replace them.
 """
 
 import os
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def is_written_in_place(path):
-    """True if a rename would replace something else than a regular file, or the file of standard output."""
+    """True if a rename would replace something else than a regular file, or a file of standard output or error."""
     if not path.exists():
         return False
     if not path.is_file():

@@ -17,7 +17,7 @@ namespace cbvh {
 
 bool isUdimPath(const std::string& path);
 
-/* Calls recordInputFile for each file. */
+/* Calls recordInputFile for each file that UdimTiles::find returns, and throws as it does. */
 void recordMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles
@@ -26,7 +26,7 @@ struct UdimTiles
 
   /* Finds the files of the tiles at the middles of faces. Appends lines to `warnings` for tiles without a file,
    * faces that cross the border of their tile, and a cage laid out in tiles with a single file. Throws Error if no
-   * file exists. */
+   * tile has a file; a path without a placeholder is not checked. The cage must have texture coordinates. */
   static UdimTiles find(const Cage& cage, const std::string& path, std::string& warnings);
 
   bool isUdim() const { return !images.empty(); }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays for all representations, generated once from GRID's hits. */
+/* Primary rays, and rays that bounce off their hits. */
 
 #include "building/surface_hit.h"
 #include "tracing/camera.h"
@@ -39,8 +39,8 @@ struct BounceSettings
   uint32_t seed = 1;
 };
 
-/* One ray per primary hit, shuffled, cosine-distributed about the geometric normal on the camera's side. The origin
- * is offset along that normal; tnear is 0. `hits` is parallel to `primary`. */
+/* One ray per primary hit with a normal, shuffled, cosine-distributed about the geometric normal on the camera's side.
+ * The origin is offset along that normal; tnear is 0. `hits` is parallel to `primary`. */
 std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                             const BounceSettings& settings);
 

@@ -16,7 +16,7 @@ struct Shutter
   float begin = 0, end = 1; // 0 is the model's first time step, 1 the last
 };
 
-/* Sets the time of sample i of each pixel. A pixel's times are spread evenly over the shutter; neighboring pixels
+/* Sets the time of this sample of each pixel. A pixel's times are spread evenly over the shutter; neighboring pixels
  * differ. `rays` holds one ray per pixel of a part of a picture that is `width` pixels wide. */
 inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample, const Crop& part, int width)
 {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A library to preload into a program that uses Embree 3 or 4. After each commit of a scene it prints the duration of
- * all commits of geometries and scenes so far, the bytes that Embree's memory monitor reports, and the part of them in
- * geometry buffers that Embree allocated. Works with any libembree3.so.3 or libembree4.so.4. Supports one device and
- * any number of threads. */
+ * all commits of geometries and scenes so far, the bytes that Embree's memory monitor reports, and the bytes of all
+ * geometry buffers that Embree allocated, including released ones. Works with any libembree3.so.3 or libembree4.so.4.
+ * Supports one device and any number of threads. */
 
 #define _GNU_SOURCE
 #include <dlfcn.h>

@@ -75,7 +75,7 @@ def draw(axes, rows, title, rays):
 
 
 def summary(rows, ray_sets):
-    """A sentence on the smallest and the fastest representation and on the ratio to one CPU thread. known: ray sets
+    """A sentence on the smallest and the fastest representation and on the ratio to one CPU thread. ray_sets: those
     that were measured."""
     small, texts = least_memory(rows), []
     if len(small):

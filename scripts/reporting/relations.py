@@ -68,7 +68,7 @@ def fine_frames(data, scene):
 
 
 def blocks_cost_little(leaf, voxel):
-    """Returns the reason if leaves require more memory than four times as many blocks."""
+    """Returns the reason why leaves require more memory than four times as many blocks."""
     few, many = (row.memory_compression_header_bytes + row.memory_compression_top_level_bytes for row in (leaf, voxel))
     return (
         f"a block has {many / voxel.memory_compression_blocks:.0f} bytes of frame and upper tree here, so finer frames "

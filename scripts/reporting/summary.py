@@ -82,7 +82,7 @@ def first_screen(data):
     charts = [f.chart("Bytes per quad", height, *per_quad), f.chart("Speed relative to GRID", height, draw_speed, rows)]
     charts.append(f.chart("Error", height, errors.draw, rows, "Error", [errors.MESH]))
     shares = [(row.representation, fallback_share(row)) for row in rows if fallback_share(row)]
-    fallbacks = [f"{label} stores {percent(share)} of its quads exactly." for label, share in shares]
+    fallbacks = [f"{label} stores {percent(share)} of its quads as cVERT." for label, share in shares]
     caption = (
         f"{row.scene}, level {row.level}, {row['view']} view, single rays, one thread of {row.run_cpu} ({data.isa}). "
         f"Errors are distances to GRID's hits: p99, hollow the median. {' '.join(fallbacks)}"

@@ -2,9 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs libembree_cbvh as built here on Debian 13 next to its Embree 4: the tests of hits, both examples, and the speed
-# test. Requires root, debootstrap, the machine's package registry and 1 GB of disk. Takes two minutes, or seconds if
-# the root file system already exists.
+# Runs libembree_cbvh as built here on Debian 13 next to its Embree 4: the tests of hits, both examples, the speed test,
+# and reload; valgrind looks for leaks. Requires root, debootstrap, the machine's package registry and 1 GB of disk.
+# Takes two minutes, or seconds if the root file system already exists.
 #
 #   debian13.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT
 set -eu

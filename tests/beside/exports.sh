@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # exports.sh LIBRARY HEADER: checks that libembree_cbvh exports exactly the functions of its header, with a symbol
-# version, and requires no functions of Embree. odd_calls.cpp must call each function that has parameters.
+# version, and requires no functions of Embree. odd_calls.cpp must call each function except cbvhGetVersion.
 set -eu
 library=$1 header=$2
 fail() { echo "FAILED: $*" >&2; exit 1; }

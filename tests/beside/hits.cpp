@@ -158,7 +158,7 @@ void testMasks(RTCDevice device, CbvhContext context)
 
 unsigned filtered = 0;
 
-// Rejects hits depending on all values, and checks the IDs.
+// Rejects hits depending on primID and u, and checks the IDs.
 void filter(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++) {

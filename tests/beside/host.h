@@ -140,12 +140,12 @@ template<> struct Packet<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays; 
 template<> struct Packet<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays; };
 template<> struct Packet<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Rays; };
 
-// Ray i of a packet of N.
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
 constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + 2*RTC_MAX_INSTANCE_LEVEL_COUNT;
 #else
 constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
+// Sets ray i of a packet of N.
 inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray)
 {
   for (unsigned word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
@@ -310,7 +310,7 @@ private:
   CbvhGroup group = nullptr;
 };
 
-// Attached to a scene with ID 0.
+// A committed scene that contains the group with ID 0, or an uncommitted empty one.
 class Scene
 {
 public:

@@ -315,7 +315,7 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
-// Interpolated texture coordinates give the same surface as explicit ones.
+// The attribute equals u and v, so the interpolated values must equal the arguments of the displacement.
 TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
 {
   const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};

@@ -282,7 +282,7 @@ class Report(unittest.TestCase):
         self.assertIn(f"median is {pages.escape(formats.pixels(errors_of_view['median_pixels']))} pixels", first)
         self.assertNotIn("RMSE", first)
         exact = ours["memory"]["compression"]["fallback_quads_share"]
-        self.assertIn(f"cLEAF<sup>2</sup> stores {100 * exact:.1f}% of its quads exactly", first)
+        self.assertIn(f"cLEAF<sup>2</sup> stores {100 * exact:.1f}% of its quads as cVERT", first)
 
     def test_first_screen_covers_all_scenes(self):
         folder = Path(self.temporary.name) / "scenes"
