@@ -25,7 +25,7 @@ using namespace cvert;
 // Precedes the vertices.
 struct Input
 {
-  uint8_t quadsX, quadsY; // minus 1; at most 16
+  uint8_t quadsX, quadsY; // minus 1, modulo 16
   int8_t exponent;        // of the lattice
   // bit 0: vertices are snapped; 1: edges; 2: 16-bit integers instead of floats; 3: moves; 4..6: number of later
   // steps, minus 1

@@ -42,7 +42,7 @@ Cage fanCage(unsigned quads, std::initializer_list<unsigned> others)
   return fanCage(sizes);
 }
 
-// The faces of all intersections of a ray.
+// The faces of all intersections of the rays that use this context.
 struct PassedFaces : RTCIntersectContext
 {
   PassedFaces() { rtcInitIntersectContext(this); filter = take; }

@@ -125,7 +125,7 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
   for (int i = 0; i < 20000; i++) {
     CellVertices cell;
     const unsigned width = 2 + random.below(30);
-    // every other triangle is degenerate, and shearing rounds its vertices apart
+    // in every other case all triangles are degenerate, and shearing rounds its vertices apart
     const bool isLine = i % 2;
     float along[VertTables::lanes], step[3];
     for (float& x : along) x = float(random.below(8));

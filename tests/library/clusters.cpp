@@ -26,7 +26,7 @@ const char* nameOf(RTCCompressedClusterFormat format)
                                                     : "floats";
 }
 
-// A geometry compressed by its own commit.
+// A compressed geometry, and the scene that committed it if it is a cage.
 struct Stored
 {
   RTCGeometry geometry;
