@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fuzz target: arbitrary vertices for the encoder of cVERT, on or off a lattice, with one or several time steps.
-// Decoding returns the same vertices bit by bit, and NaN for those that are not finite. The block is valid, fits into
-// its memory, and has the same bytes if encoded again.
+// Decoding returns the same floats except for the sign of 0, and NaN for vertices that are not finite. The block is
+// valid, fits into its memory, and has the same bytes if encoded again.
 
 #include "fuzz_input.h"
 

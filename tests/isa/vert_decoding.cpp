@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Compares the traversal's decoder of cVERT with the scalar one, cvert/decoder/decoded_block.h: random blocks of all
- * sizes, all groups bit by bit, because no operation rounds. Compiled once for every ISA, outside of the library. */
+ * sizes, all groups exactly, because no operation rounds. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"

@@ -39,7 +39,7 @@ std::string representationOf(RTCScene scene)
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
-  Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the form
+  Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the frame level
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
@@ -64,7 +64,7 @@ RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = R
   args.compression = compression;
   args.frameLevel = frameLevel;
   args.maxError = maxError;
-  args.fallbackFaces = 0; // the number of blocks reveals the form
+  args.fallbackFaces = 0; // the number of blocks reveals the frame level
   return args;
 }
 
@@ -240,7 +240,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
   }
 }
 
-// "grid" is Embree's GRID in programs that offer both, and cGRID elsewhere.
+// "grid" is Embree's GRID in subdiv_accel and in programs that offer both, and cGRID elsewhere.
 TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
 {
   const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
