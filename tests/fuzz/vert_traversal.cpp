@@ -37,8 +37,8 @@ using embree::isa::cbvh::VertRay;
 constexpr size_t alignment = 16;
 constexpr size_t readPadding = 16;   // equals vertReadPadding
 
-// Returns the bytes of the block, including its table of numbers, wherever it is stored. Returns 0 if
-// there are fewer, or if such a block would not be traced.
+// Returns the bytes of the block, including its table of numbers, wherever it is stored. Returns 0 if there are
+// fewer, or if such a block would not be traced.
 size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;

@@ -355,8 +355,8 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
   rtcSetGeometryCompression(geometry, &args);
 }
 
-// A committed geometry whose cage is in released memory. attribute: 8 numbers and
-// padding for reads of four, or NULL.
+// A committed geometry whose cage is in released memory. attribute: 8 numbers and padding for
+// reads of four, or NULL.
 RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
 {
   const Cage cage = cubeCage();
