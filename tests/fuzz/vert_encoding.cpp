@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fuzz target: arbitrary vertices for the encoder of cVERT, on or off a lattice, with one or several time steps.
-// Decoding returns the same vertices bit by bit, and NaN for those that are not finite. The block is valid, fits into
-// its memory, and has the same bytes if encoded again.
+// Decoding returns the same floats except for the sign of 0, and NaN for vertices that are not finite. The block is
+// valid, fits into its memory, and has the same bytes if encoded again.
 
 #include "fuzz_input.h"
 
@@ -25,7 +25,7 @@ using namespace cvert;
 // Precedes the vertices.
 struct Input
 {
-  uint8_t quadsX, quadsY; // minus 1; at most 16
+  uint8_t quadsX, quadsY; // minus 1, modulo 16
   int8_t exponent;        // of the lattice
   // bit 0: vertices are snapped; 1: edges; 2: 16-bit integers instead of floats; 3: moves; 4..6: number of later
   // steps, minus 1

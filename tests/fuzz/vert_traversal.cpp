@@ -4,10 +4,12 @@
 /* libFuzzer target: random bytes as a ray and a cVERT block.
  *
  * Preconditions of traversal hold: the block has all bytes that place, words and the raw bit imply, and the padding
- * that decoders may read after it; moving blocks pass validation. Everything else is arbitrary: traversal must not read
- * outside, must not have undefined behavior, and must terminate. Each hit that a filter receives has, for any block,
- *   - a distance between tnear and tfar, and each accepted hit is no farther than the previous one,
- *   - parameters of the block's quads;
+ * that decoders may read after it; moving blocks, and blocks with remainders or numbers of triangles, pass validation.
+ * Everything else is arbitrary: traversal must not read outside, must not have undefined behavior, and must terminate.
+ * Each hit that a filter receives has, for any block,
+ *   - if the ray is sound (fuzz_traversal.h), a distance between tnear and tfar, and each accepted hit is no farther
+ *     than the previous one,
+ *   - finite parameters, not below the lowest of the block's quads;
  * and closest hit and any hit agree on the existence of a hit.
  *
  * --seeds=DIRECTORY writes blocks of the encoder with rays as the initial corpus. */
@@ -33,9 +35,10 @@ using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
-constexpr size_t readPadding = 16;   // the same as in VertPatchBuilder
+constexpr size_t readPadding = 16;   // equals vertReadPadding
 
-// Returns the bytes of the block, including its table of numbers, wherever it is stored, or 0 if there are fewer.
+// Returns the bytes of the block, including its table of numbers, wherever it is stored. Returns 0 if there are
+// fewer, or if such a block would not be traced.
 size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;

@@ -14,7 +14,7 @@ const Placement atOrigin = {1, {0, 0, 0}};
 class HardBlocks : public HardCase
 {
 protected:
-  // share of rays that must have exactly the reference's hit
+  // minimum share of rays that hit at the reference's t
   double exact = 0.75;
 
   void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysPerKind)

@@ -42,7 +42,7 @@ Cage fanCage(unsigned quads, std::initializer_list<unsigned> others)
   return fanCage(sizes);
 }
 
-// The faces of all intersections of a ray.
+// The faces of all intersections of the rays that use this context.
 struct PassedFaces : RTCIntersectContext
 {
   PassedFaces() { rtcInitIntersectContext(this); filter = take; }
@@ -127,7 +127,8 @@ TEST_P(CageLimits, LongestRingsOfBorderVertices)
 TEST_P(CageLimits, RingsPastTheLongest)
 {
   property(
-    "faces at a vertex of more than 64 faces, or with a longer ring of vertices than Embree supports, are left out");
+    "faces at a vertex of more than 64 faces, on a border more than 63, or with a longer ring of vertices than Embree "
+    "supports, are left out");
   for (const Cage& cage :
        {fanCage(64, {}), fanCage(65, {}), fanCage(66, {}), fanCage(70, {}), fanCage(63, {5}), fanCage(62, {6}),
         fanCage(61, {5, 5}), fanCage(61, {8}), fanCage(62, {16}), fanCage(40, {16, 16, 16, 16})}) {

@@ -45,7 +45,7 @@ protected:
   Displacement displacement;
 
 private:
-  // Rays from the center of a closed cage: in all directions, at its vertices and close to them.
+  // Rays from near the center of a closed cage, in all directions and towards its vertices.
   static std::vector<RTCRayHit> raysFromInside(Random& random, const Cage& cage)
   {
     std::vector<RTCRayHit> rays;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: rays that are not finite, alone and among others, through every function of the API; directions of all
+/* Hard cases: rays that are not finite, alone and among others, as single rays, packets and streams; directions of all
  * lengths, which scale only t. */
 
 #include "hard_cases/hard_case.h"

@@ -58,7 +58,7 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
           const double scale = random.magnitude(1e-6, 1e6), away = repeat % 3 ? 0 : scale*random.magnitude(1, 1e5);
           const Sheet sheet = randomSheet(random, shape, height, {scale, {away, -0.3*away, 0.7*away}});
           float corners[4][3];
-          for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, in cyclic order
+          for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, row by row
             std::copy_n(kind == Kind::LEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
                                            : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(),
                         3, corners[c]);

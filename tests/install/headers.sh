@@ -2,10 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Checks that each public header compiles alone and before all others, in C99 and in C++11, without warnings, and does
-# not change Embree's types.
+# Checks that each of our public headers compiles alone and before all others (cbvh/embree.h after Embree's), in C99 and
+# in C++11, without warnings, and does not change Embree's types.
 #
-#   headers.sh FOLDER-OF-EMBREE3 FOLDER-OF-CBVH [HEADER-THAT-NEEDS-WHAT-IS-NOT-HERE...]
+#   headers.sh FOLDER-OF-EMBREE3 FOLDER-OF-CBVH [HEADER-TO-SKIP...]
 set -eu
 embree=$1 cbvh=$2
 shift 2

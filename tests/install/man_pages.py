@@ -185,7 +185,7 @@ class PublicHeaders(unittest.TestCase):
                                           text=True)
                     self.assertEqual(done.stderr, "", name)
 
-    def test_types_of_each_page_are_declared_before_they_are_used(self):
+    def test_types_of_each_page_are_declared_once(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, page in made(folder, *HEADERS).items():
                 if not page.startswith(".so"):

@@ -40,7 +40,8 @@ for link in $(find "$work/prefix" -type l); do
   esac
 done
 
-# All libraries and programs are hardened. Kernels are bound immediately; what links libembree3 must start with any.
+# All libraries and programs are hardened. Kernels are bound immediately. Programs and libraries that
+# link libembree3 are not, because they must start with any version of it.
 for binary in "$work"/prefix/lib/*.so.* "$work"/prefix/lib/embree_cbvh/*.so.* "$work"/prefix/bin/*; do
   [ -f "$binary" ] && [ ! -L "$binary" ] || continue
   readelf -Wldh "$binary" > "$work/elf"

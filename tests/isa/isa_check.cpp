@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* On a machine without the ISA for which a program is compiled, ends the program with status 77 and a message before
- * any of its code runs. This file itself is compiled for every machine. */
+ * any of its code runs. This file itself is compiled for the lowest ISA. */
 
 #include <cstdio>
 #include <cstring>

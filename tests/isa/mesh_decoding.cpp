@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Compares the traversal's decoder of mesh blocks with the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
- * groups bit by bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
+ * groups exactly, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -25,7 +25,7 @@ namespace {
 
 using namespace embree::cbvh;
 
-// Triangles of neighbors in a wavy sheet, or of random vertices. exponent: of a lattice, or below -1000 for none
+// Triangles of neighbors in a wavy sheet, or of random vertices. exponent: of a lattice, or at most -1000 for none
 std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double far, bool isSheet)
 {
   const uint32_t size = 16;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the traversal's decoder of moving mesh blocks with the scalar one: all segments, all groups at both ends bit
- * by bit. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every ISA,
+/* Compares the traversal's decoder of moving mesh blocks with the scalar one: all segments, all groups at both ends
+ * exactly. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every ISA,
  * outside of the library. */
 
 #include "kernels/cbvh/vert/moving_mesh.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Compares the traversal's decoder of moving cVERT blocks with the scalar one: random segments, all groups at both ends
- * bit by bit. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every
+ * exactly. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every
  * ISA, outside of the library. */
 
 #include "kernels/cbvh/vert/moving_block.h"

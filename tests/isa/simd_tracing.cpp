@@ -45,7 +45,7 @@ struct AnyHitRay : public embree::Ray
   bool found = false;
 };
 
-// The block that a visitor reports; the hit is the last argument.
+// Called with what a visitor reports; the hit is the last argument.
 template<typename... Reported>
 bool report(RecordingRay& ray, embree::IntersectContext*, Reported&&... reported)
 {
@@ -240,15 +240,16 @@ void traceSimd(const Block* block, RayType& ray)
 
 // --- the same hits ----------------------------------------------------------------------------
 
-// several times the float error of a ray that begins up to thirty block sizes away, a thousand units from the origin
+// several times the float error of a ray that begins up to thirty block sizes away, at a block up to a thousand block
+// sizes from the origin
 constexpr double step = 3e-5;
 
 // The scalar intersector's result for a ray and nearby ones: the same hit, or a miss for all.
 struct Answer
 {
   bool stable = true, found;
-  double lower[6], upper[6]; // ranges of t relative to the ray's length in the block, u, v, and the unit normal
-  double unit;               // unit of t
+  double lower[6], upper[6]; // ranges of t/unit, u, v, and the unit normal
+  double unit;               // change of t over the size of the block
 
   // from: hits with smaller t are ignored
   Answer(Random& random, const Block* block, const TestRay& ray, double size, double from = -1)
@@ -447,7 +448,7 @@ struct BothSegments
     scalar.valid = true;
   }
 
-  // A copy with an error larger than that of floats.
+  // A copy with an error larger than float rounding.
   Segment<double> moved(Random& random) const
   {
     Segment<double> segment = scalar;

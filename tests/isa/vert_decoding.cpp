@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Compares the traversal's decoder of cVERT with the scalar one, cvert/decoder/decoded_block.h: random blocks of all
- * sizes, all groups bit by bit, because no operation rounds. Compiled once for every ISA, outside of the library. */
+ * sizes, all groups exactly, because no operation rounds. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -125,7 +125,7 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
   for (int i = 0; i < 20000; i++) {
     CellVertices cell;
     const unsigned width = 2 + random.below(30);
-    // every other triangle is degenerate, and shearing rounds its vertices apart
+    // in every other case all triangles are degenerate, and shearing rounds its vertices apart
     const bool isLine = i % 2;
     float along[VertTables::lanes], step[3];
     for (float& x : along) x = float(random.below(8));

@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checksums of the blocks of all generated scenes, for the kinds with frames. After an intended change, the test prints
- * the new table. (codec/vert_bytes.cpp has checksums of cVERT for given vertices.)
+/* Checksums of the blocks of all generated scenes, for the kinds with frames. The test prints the table, to paste after
+ * an intended change. (codec/vert_bytes.cpp has checksums of cVERT for given vertices.)
  *
  * The vertices depend on the machine: Embree normalizes with the processor's approximate reciprocal square root, and
  * the compiler may fuse multiply and add. They have a checksum as well. If the first scene's differs, the test is
- * skipped. */
+ * skipped; other scenes whose vertices differ are not compared. */
 
 #include "building/built_scene.h"
 #include "kernels/cbvh/framed/block.h"

@@ -26,7 +26,7 @@ const char* nameOf(RTCCompressedClusterFormat format)
                                                     : "floats";
 }
 
-// A geometry compressed by its own commit.
+// A compressed geometry, and the scene that committed it if it is a cage.
 struct Stored
 {
   RTCGeometry geometry;
@@ -213,6 +213,7 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   const Stored cube(device, cubeCage(), settings);
   RTCCompressedClusterStatistics statistics;
   rtcForEachCompressedCluster(nullptr, 0, DGF1, nullptr, nullptr, &statistics);
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a geometry the error is the thread's";
   rtcForEachCompressedCluster(cube, 0, RTCCompressedClusterFormat(3), nullptr, nullptr, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(device.message.find("3"), std::string::npos) << device.message;

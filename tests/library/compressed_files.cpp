@@ -47,7 +47,7 @@ void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressio
   EXPECT_EQ(std::memcmp(&c, &d, sizeof(c)), 0);
 }
 
-// Triangles of all parts, in the order of vertices.
+// Vertices of all parts, sorted.
 std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
 {
   std::vector<std::array<float, 3>> all;

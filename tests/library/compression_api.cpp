@@ -39,7 +39,7 @@ std::string representationOf(RTCScene scene)
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
-  Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the form
+  Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the frame level
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
@@ -64,7 +64,7 @@ RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = R
   args.compression = compression;
   args.frameLevel = frameLevel;
   args.maxError = maxError;
-  args.fallbackFaces = 0; // the number of blocks reveals the form
+  args.fallbackFaces = 0; // the number of blocks reveals the frame level
   return args;
 }
 
@@ -183,7 +183,7 @@ TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
   }
 }
 
-// A German locale, if it is installed.
+// In a C++ locale with decimal commas.
 TEST(Settings, NumbersUseDecimalPointInEveryLocale)
 {
   struct Comma : public std::numpunct<char> { char do_decimal_point() const override { return ','; } };
@@ -240,7 +240,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
   }
 }
 
-// "grid" is Embree's GRID in programs that offer both, and cGRID elsewhere.
+// "grid" is Embree's GRID in subdiv_accel and in programs that offer both, and cGRID elsewhere.
 TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
 {
   const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
@@ -595,7 +595,7 @@ TEST(Memory, MonitorSeesAllMemoryDuringCommit)
     heap = heapBytes();
     live = memory.live;
     rtcCommitScene(scene);
-    // cVERT evaluates borders in advance: each corner once for both of its borders
+    // cVERT evaluates borders in advance: each corner once for each of its two borders
     EXPECT_EQ(calls, kind == RTC_COMPRESSION_CVERT ? 12u : 4u);
     EXPECT_LE(unknown, 256*1024);
     displacement.poison = nullptr;
@@ -621,7 +621,7 @@ struct Progress
 
 TEST(Progress, RisesToOne)
 {
-  // a task of eight faces reports at its end, and after every 2^15 quads: here after each face
+  // a task of eight faces reports at its end, and after every 2^15 quads: at rate 256 after each face
   for (const auto& tasks : {std::make_pair(64.0f, sheetCage(12)), std::make_pair(256.0f, sheetCage(3))}) {
     SCOPED_TRACE(testing::Message() << "rate " << tasks.first);
     Device device("threads=1"); // with one thread, calls are in order

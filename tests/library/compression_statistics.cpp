@@ -87,7 +87,7 @@ TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
     }
 }
 
-// The corners of a trapezoid have a projective map; those of a dented quad have none.
+// The corners of a trapezoid have a projective map; the corners of a dented quad have none.
 TEST(CompressionStatistics, AffineBlocksAreCounted)
 {
   Device device;

@@ -239,7 +239,7 @@ TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
       withErrors += trial.isLoaded && trial.errors;
     }
   }
-  // each of them is hit
+  // all outcomes occur
   EXPECT_GT(loaded, all.size());
   EXPECT_GT(refused, all.size());
   EXPECT_GT(hits, 1000u);
@@ -278,7 +278,7 @@ TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile)
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
   const std::string old = "previous contents";
-  // killed once at each size that is written
+  // killed after each of these numbers of bytes
   size_t killed = 0;
   for (size_t limit : {100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
     writeBytes(folder/"other", old);

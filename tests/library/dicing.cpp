@@ -92,7 +92,7 @@ TEST(Dicing, QuadsHaveRequestedSize)
       const float wanted = 1/(height*args.pixelSize*size); // directly below the camera; quads farther away look smaller
       for (float rate : rates) {
         EXPECT_LE(rate, 1.5f*wanted) << height << ", " << size;
-        EXPECT_GE(rate, wanted/2.2f) << height << ", " << size; // corners are 1.22 times as far away
+        EXPECT_GE(rate, wanted/2.2f) << height << ", " << size; // corners are up to 1.73 times as far away
       }
     }
 }
@@ -141,7 +141,7 @@ TEST(Dicing, LengthOfDisplacedSurfaceCounts)
 {
   Device device;
   const auto waves = [](const RTCDisplacementFunctionNArguments* args) {
-    // no displacement on the border
+    // no displacement at v = 0 and v = 1
     for (unsigned i = 0; i < args->N; i++)
       args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]);
   };

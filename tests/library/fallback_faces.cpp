@@ -70,7 +70,7 @@ TEST(FallbackFaces, CurvedBordersMatchGrid)
 
 TEST(FallbackFaces, WallsFaceTheRightWay)
 {
-  // a cliff: half of its quads are parallel to the sheet's normal
+  // cliffs: some quads are nearly parallel to the sheet's normal
   struct Cliff : public Displacement
   {
     static void apply(const RTCDisplacementFunctionNArguments* args)
@@ -169,7 +169,7 @@ struct PartlyRough : public Displacement
   }
 };
 
-// Rays from inside a closed surface at the vertices that fallback faces store on their borders, and at random.
+// Rays from inside a closed surface at vertices of fallback faces, and at random.
 TEST(FallbackFaces, NoGapsBetweenBothForms)
 {
   Device device;

@@ -355,7 +355,8 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
   rtcSetGeometryCompression(geometry, &args);
 }
 
-// A committed geometry whose cage is in released memory. attribute: 8 numbers, or NULL.
+// A committed geometry whose cage is in released memory. attribute: 8 numbers and padding for
+// reads of four, or NULL.
 RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
 {
   const Cage cage = cubeCage();
@@ -466,7 +467,7 @@ TEST(ReleasedInput, IsKeptIfCommitIsCancelled)
   EXPECT_EQ(statisticsOf(scene).numQuads, 6u*64*64);
 }
 
-// If memory is refused at any point, nothing leaks, and a coarser lattice may suffice.
+// Memory is limited to growing amounts: nothing leaks when it is refused.
 TEST(ReleasedInput, IsKeptIfOutOfMemory)
 {
   for (const char* kind : kinds) {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random edits of geometries that scenes share, while another scene is traced. After each edit a scene must give the
- * results of newly created geometries: no block may belong to an earlier state.
+/* Random edits of geometries that scenes share, while another scene is traced. After every third edit, on average, a
+ * scene must have the hits of newly created geometries: no block may belong to an earlier state.
  *
  * CBVH_EDITS sets the number of edits, CBVH_EDITS_SEED the seed. */
 
@@ -54,7 +54,7 @@ public:
   {
     const bool isReleased = hasReleased;
     switch (random.below(13)) {
-    case 0: { // one vertex, which may move far away and back
+    case 0: { // one vertex, which may become NaN and finite again
       const size_t i = random.below(unsigned(cage.positions.size()));
       for (float& x : cage.positions[i])
         x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
@@ -266,7 +266,7 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
         s.scene.reset(new Scene(device));
         s.surfaces.clear();
         break;
-      case 3: { // is removed; a new geometry gets its ID
+      case 3: { // replaced by a new geometry, which no scene contains yet
         if (random.below(8)) break;
         for (auto& other : scenes)
           for (auto it = other.surfaces.begin(); it != other.surfaces.end();) {

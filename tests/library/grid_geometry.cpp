@@ -63,7 +63,7 @@ TEST_P(GridGeometry, HitsMatchEmbree)
   }
 }
 
-// Grids in one and two geometries, next to a subdivision surface and triangles, and in instances.
+// Two geometries of grids next to a subdivision surface, also in an instance.
 TEST_P(GridGeometry, MixedScenesMatchEmbree)
 {
   Device device(GetParam());
@@ -338,7 +338,7 @@ TEST(GridSurfaces, SmallestGridsAreNotCompressed)
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
-// More than 46,341 vertices per side: products of two such numbers do not fit into 32 bits.
+// Sides with more than 46,341 vertices: the product of two such numbers exceeds 2^31.
 TEST(GridSurfaces, LongSidesAreHit)
 {
   for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u),

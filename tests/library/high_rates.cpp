@@ -13,7 +13,7 @@
 namespace cbvh::test {
 namespace {
 
-// Over the unit square of quadCage; 0 at its border.
+// Over the unit square of quadCage; 0 at u = 0 and v = 0.
 float heightAt(float u, float v) { return 0.1f*std::sin(9*u)*std::sin(7*v); }
 
 void lift(const RTCDisplacementFunctionNArguments* args)
@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION
                            return std::string(info.param == RTC_COMPRESSION_CVERT ? "cVERT" : "cLEAF");
                          });
 
-// A quad of the longest side is 1/100 wide.
+// Quads are at most 1/100 wide.
 TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 {
   Device device;

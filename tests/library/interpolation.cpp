@@ -237,7 +237,7 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
   for (const std::vector<unsigned>& few : {std::vector<unsigned>{0}, {1}, {2}, {1, 1}, {0, 1, 2, 1, 0}}) {
     Cage cage;
     cage.positions = cube.positions;
-    const unsigned own = unsigned(cage.positions.size()); // separate vertices, or a vertex of the cube
+    const unsigned own = unsigned(cage.positions.size()); // two vertices that the cube does not use
     cage.positions.insert(cage.positions.end(), {{3, 0, 0}, {4, 0, 0}});
     std::vector<unsigned> sound, without;
     const auto addFew = [&](unsigned first) {

@@ -246,6 +246,7 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
   rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
   rtcCommitScene(scene);
   EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_CANCELLED);
+  for (const std::string& message : messages) EXPECT_EQ(message.find("not finite"), std::string::npos) << message;
   messages.clear();
   cancelAt = 2;
   rtcCommitScene(scene);

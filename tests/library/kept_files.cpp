@@ -219,7 +219,7 @@ bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangl
     && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
-// The hits of the text files are those of AVX2. Other instruction sets round u and v differently.
+// The hits in the text files were found with AVX2. Other instruction sets round u and v differently.
 const std::string recordedIsa = "isa=avx2";
 
 class KeptFileHits : public testing::TestWithParam<const char*> {};

@@ -10,8 +10,8 @@
  *     hit PRIMID T U V NX NY NZ
  *     miss
  *
- * A vertex is what the scalar decoder returns. A ray starts at tnear 0 and has no end. The line after it is its closest
- * hit, or "miss". */
+ * Lines that begin with # are comments. A vertex is what the scalar decoder returns. A ray starts at tnear 0 and has no
+ * end. The line after it is its closest hit, or "miss". */
 
 #include "support/scene.h"
 

@@ -81,7 +81,6 @@ std::set<Vec> storedVertices(RTCGeometry geometry)
   return vertices;
 }
 
-// Sizes from 1e-30 to 1e12, different on each axis, around the origin or far from it, with stray vertices.
 Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
 {
   Vec q;
@@ -89,6 +88,7 @@ Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
   return q;
 }
 
+// Sizes from 1e-30 to 1e12, some different on each axis, around the origin or far from it, some with a stray vertex.
 TEST(LosslessVertices, MatchApplicationAtAnyPosition)
 {
   Device device(lossless);
@@ -378,8 +378,8 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-/* Hits must be those before saving to the bit, and geometrically match Embree's, which interpolates grids
- * differently. */
+/* Hits equal the hits before saving bit by bit, and match Embree's within a tolerance, because Embree interpolates
+ * grids differently. */
 TEST_P(Lossless, FilesHaveTheSameHits)
 {
   Device device(GetParam() + ("," + lossless));

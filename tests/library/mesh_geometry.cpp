@@ -247,7 +247,7 @@ TEST(Meshes, TrianglesOfNarrowStripsAreIrregular)
   }
 }
 
-// Each quad along some rows of a sheet has its own vertex, as in a mesh that is smooth except at sharp edges.
+// Each quad along some rows of a sheet has two vertices of its own, as in a mesh that is smooth except at sharp edges.
 TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
 {
   Device device;
@@ -623,7 +623,7 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         }
         for (int c = 0; c < 3; c++)
           ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
-        // interpolated parameters match those of the hit
+        // parameters of the other corners follow from the first
         const bool isFlipped = t.u[0] + t.v[0] > 1;
         ASSERT_EQ(t.u[1], isFlipped ? 0 : 1);
         ASSERT_EQ(t.v[2], isFlipped ? 0 : 1);
@@ -658,7 +658,7 @@ TEST(Meshes, PointQueriesMatchEmbree)
     partlyIrregular(quads, random, true)}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
     struct Found { const DicedMesh* mesh; Vec at; std::set<unsigned> near; size_t calls = 0; };
-    // primitives with a vertex within the radius
+    // primitives with one of their first three vertices within the radius
     const auto near = [&](RTCScene in, const Vec& at, float radius) {
       Found found{&mesh, at, {}};
       RTCPointQuery query;

@@ -19,7 +19,7 @@
 namespace cbvh::test {
 namespace {
 
-// Records the vertices on the borders of all patches, in the order of GRID.
+// Records the vertices on the borders of all patches, by their parameter along the side.
 struct BorderRecorder : public VertexRecorder
 {
   typedef std::tuple<unsigned, unsigned, unsigned> Side; // face, sub-patch, side of the patch
@@ -265,7 +265,7 @@ TEST(BordersOfMixedRates, CVertEvaluatesBordersAtTheirRates)
     }
 }
 
-// Largest distance of u and v of hits from the position of the hit, computed with rtcInterpolate.
+// Largest distance between a hit and the point of the surface (rtcInterpolate) at its u and v.
 double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTCRayHit>& rays)
 {
   double worst = 0;
@@ -321,9 +321,8 @@ unsigned countMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return misses;
 }
 
-/* Rays at the vertices of borders and between them hit, except for those that pass Embree's triangle test, which cGRID
- * also uses: not more than in GRID, unless most edges have rate 1, where GRID has few triangles. The same holds next to
- * borders where the surface rises steeply from an edge of rate 1 to quads of 1/64. */
+/* Rays at the vertices of borders, between them and next to them (targetsNextTo) hit. Some pass between triangles by
+ * Embree's triangle test, which cGRID also uses: over all scenes together not more than in GRID. */
 TEST_P(MixedRates, NeighborsAreClosedWithoutGridFallback)
 {
   Device device;

@@ -49,7 +49,7 @@ TEST(MovingHardCases, ClosedSurfacesDoNotLeakAtAnyTime)
         Displacement displacement;
         displacement.amplitude = 0.1f;
         SurfaceSettings settings = moving(displacement, timeSteps);
-        // rates and owners differ
+        // also different on both sides of an edge
         for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23));
         RTCGeometry geometry = newSurface(device, cage, settings);
         Scene scene(device);
@@ -295,7 +295,7 @@ TEST(MovingHardCases, SurfacesAreHitOnlyInTheirTimeRange)
     }
 }
 
-// One such surface next to one that exists at all times.
+// Surfaces that exist only after the times of all rays, next to others.
 TEST(MovingHardCases, SurfaceOutsideOfRayTimesDoesNotHideOthers)
 {
   for (const char* config : {"", "subdiv_accel=cbvh"}) {
