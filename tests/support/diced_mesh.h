@@ -43,7 +43,7 @@ inline std::array<unsigned, 2> recursivePlace(unsigned n)
   return at;
 }
 
-// The quads of grids, with equal vertices merged, without motion. QuadOrder::Recursive requires 2^k x 2^k quads per grid;
+// The quads of grids, equal vertices merged, without motion. QuadOrder::Recursive requires 2^k x 2^k quads per grid;
 // QuadOrder::Shuffled mixes the grids.
 inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
 {

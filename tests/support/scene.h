@@ -210,7 +210,7 @@ struct SurfaceSettings
   Displacement* displacement = nullptr; // must outlive the scene
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
-  float maxError = 0;                   // for automatic frame levels if compression or frameLevel is set; 0: the device's value
+  float maxError = 0;                   // 0: the device's value; unused if compression and frameLevel are inherited
   bool fallbackFaces = false;              // cLEAF: tests are about approximate leaves
   unsigned timeSteps = 1;
   // of the cage's vertices, before scale and offset; by default 0.1 along x per step
