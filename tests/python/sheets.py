@@ -10,7 +10,7 @@ REPRESENTATIONS = ("naive", "naive-compact", "grid", "cgrid", "cvoxel", "cleaf",
 
 
 def sheet_arrays(n=5):
-    """Vertices and faces of n x n quads with edges of 1/n on the unit square in z = 0, seen from above, row by row."""
+    """Vertices and faces of n x n quads with edges of 1/n on the unit square in z = 0, row by row, counterclockwise."""
     x, y = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
     vertices = np.stack([x, y, np.zeros_like(x)], -1).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(n), np.arange(n))

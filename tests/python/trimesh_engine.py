@@ -154,7 +154,7 @@ class Queries(unittest.TestCase):
         mesh.ray = RayMeshIntersector(mesh)
         rng = np.random.default_rng(7)
         points = rng.uniform(-1.3, 1.3, size=(2000, 3))
-        # The mesh is inside of the surface that its vertices sample, by less than 0.02.
+        # The mesh is less than 0.02 from the surface that its vertices sample.
         theta = np.arccos(points[:, 2] / np.linalg.norm(points, axis=1))
         radius = 1 + 0.2 * np.sin(5 * np.arctan2(points[:, 1], points[:, 0])) * np.sin(4 * theta)
         distances = np.linalg.norm(points, axis=1) - radius

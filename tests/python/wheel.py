@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""The wheel of scripts/wheel.sh works in an empty virtual environment.
+"""The wheel of scripts/wheel.sh works in a new virtual environment.
 
     wheel.py FOLDER VERSION    FOLDER has a wheel of this version for the interpreter; otherwise the test is skipped
 

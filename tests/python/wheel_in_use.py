@@ -81,7 +81,7 @@ def main():
     assert cbvh.__version__ == version, cbvh.__version__
     assert cbvh.Cage.__module__ == cbvh.__name__ == "embree_cbvh"
 
-    # a displaced sheet of 2 x 2 faces, seen from above
+    # a displaced sheet of 2 x 2 faces
     x, y = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     vertices = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
     faces = [(i, i + 1, i + 4, i + 3) for i in (0, 1, 3, 4)]

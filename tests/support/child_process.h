@@ -8,7 +8,7 @@
 
 namespace cbvh::test {
 
-// Runs the closure in a child process, which a signal may end. Returns its exit status.
+// Runs the closure in a child process, which a signal may end. Returns its status as waitpid does.
 template<typename Closure>
 int statusOfChild(const Closure& closure)
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A ball around the origin is closed, checked with rays from its center. */
+/* A ball around the origin is closed, checked with rays from points near its center. */
 
 #include "support/query_forms.h"
 

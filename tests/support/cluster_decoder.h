@@ -9,7 +9,7 @@
  *   vertices are finite: with exponent 232, anchor plus offset lies within +-8,388,607
  * - DGF1: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1"
  *
- * They throw if a rule of the specification is violated. */
+ * They throw if a rule of the specification is violated, and for micromaps, palettes of geometries and user data. */
 
 #include <array>
 #include <cmath>

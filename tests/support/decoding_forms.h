@@ -66,7 +66,7 @@ inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
   return box;
 }
 
-// Adds as traversal does.
+// True if `box` contains `exact`, which is not mirrored. Adds as traversal does.
 inline bool contains(Form form, const NodeBox& box, const ExactBox& exact)
 {
   for (int axis = 0; axis < 3; axis++) {

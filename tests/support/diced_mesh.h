@@ -43,8 +43,8 @@ inline std::array<unsigned, 2> recursivePlace(unsigned n)
   return at;
 }
 
-// The quads of grids, grid by grid, with equal vertices merged. QuadOrder::Recursive requires a power of two of quads
-// along both sides.
+// The quads of grids, equal vertices merged, without motion. QuadOrder::Recursive requires 2^k x 2^k quads per grid;
+// QuadOrder::Shuffled mixes the grids.
 inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
 {
   DicedMesh mesh;
@@ -94,7 +94,7 @@ inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
   return out;
 }
 
-// Faces have copies of shared vertices, as after a modifier that splits edges.
+// Faces have copies of shared vertices, as after a modifier that splits edges. Zeros of every second copy change signs.
 inline DicedMesh unwelded(const DicedMesh& mesh)
 {
   DicedMesh out = mesh;
@@ -153,7 +153,7 @@ inline std::vector<OrderedMesh> trianglesInAnyOrder(const DicedMesh& quads, Rand
   return all;
 }
 
-// A globe of rows of quads or triangles between two poles. The quads at the poles have a degenerate edge.
+// A globe of rows of quads between two poles. The quads at the poles have a degenerate edge.
 inline DicedMesh globe(unsigned columns, unsigned rows)
 {
   DicedMesh mesh;

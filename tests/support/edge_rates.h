@@ -18,7 +18,7 @@ namespace cbvh::test {
 
 typedef std::function<float(Random&)> DrawRate;
 
-// The same on both sides of each edge.
+// One rate per index of the faces, equal on both sides of each edge.
 inline std::vector<float> drawRates(const Cage& cage, Random& random, const DrawRate& draw)
 {
   std::map<std::pair<unsigned, unsigned>, float> rateOf;

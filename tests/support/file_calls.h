@@ -14,7 +14,7 @@
 
 namespace cbvh::test {
 
-// the process kills itself after writing this many bytes; never if negative
+// write() stores this many bytes in all, and kills the process when more follow; never if negative
 inline std::atomic<long> bytesUntilKill{-1};
 inline std::atomic<unsigned> renameDelay{0}; // microseconds
 inline std::atomic<unsigned> renameCalls{0};

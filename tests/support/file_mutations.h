@@ -159,7 +159,8 @@ inline std::string mutated(Random& random, const std::string& sound)
 
 struct Trial { bool isLoaded = false, isVerified = false; size_t hits = 0, errors = 0; };
 
-// Opens and traces a file, whatever it contains. The surface numbers in hits must belong to the geometry.
+// Opens and traces a file, whatever it contains. Primitive numbers of hits must belong to the geometry. copy:
+// path to which the geometry is saved.
 inline Trial tryFile(Device& device, const std::string& path, const std::string& copy, Random& random)
 {
   Trial trial;

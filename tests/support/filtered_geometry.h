@@ -19,7 +19,7 @@ inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSetti
   rtcCommitScene(scene);
 }
 
-// Rejects hits by all values that it receives.
+// Rejects hits by their primID and u.
 inline void filterByValues(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned k = 0; k < args->N; k++)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compares a compressed surface with GRID's. cGRID finds GRID's hits to within a few ulps. cVOXEL and cLEAF are
- * approximate:
+/* Compares a compressed surface with GRID's. cGRID finds GRID's hits to within a few ulps, cVERT to within the movement
+ * of vertices in the statistics. cVOXEL and cLEAF are approximate:
  *
  *   - Hits lie in the box of their leaf, which contains the leaf's quad. So GRID's surface is no farther than the box's
  *     farthest corner.
@@ -20,7 +20,7 @@ namespace cbvh::test {
 
 void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage);
 
-// Checks all of these. settings: of the scene's surface, with a displacement.
+// Checks all of these; few rays may be exceptions. settings: of the scene's surface, with a displacement.
 void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage,
                        const SurfaceSettings& settings);
 

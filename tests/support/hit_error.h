@@ -32,7 +32,7 @@ class ExactTriangleHit
 public:
   double t, u, v;
   double weights[3]; // of the vertices; one of them is negative if the line misses the triangle
-  double cosine;     // of the ray and the normal
+  double cosine;     // of the angle between ray and normal, not negative
 
   ExactTriangleHit(const RTCRay& ray, const RTCCompressedTriangle& triangle) : triangle(triangle)
   {

@@ -16,7 +16,7 @@ namespace cbvh::test {
 struct LeafOfBlock
 {
   const embree::cbvh::Block* block;
-  uint32_t leaf; // Morton index; in cGRID of a group of 2 x 2 quads, in cLEAF of a quarter of a quad
+  uint32_t leaf; // Morton index; in cGRID of 2 x 2 quads, else of a quad, or of a quarter of a cLEAF block's only quad
 };
 
 // Returns several leaves if the hit is on their common border.

@@ -29,7 +29,7 @@ struct MovingMesh
 struct EncodedBlock
 {
   Words words;
-  uint32_t first, stored; // triangles of the cluster
+  uint32_t first, stored; // first triangle in the mesh, and number of triangles
 
   const cvert::MeshHeader* block() const { return (const cvert::MeshHeader*)words.data(); }
   size_t size() const { return 4*words.size(); }
@@ -125,7 +125,7 @@ inline Real bent(const Real& p, double time)
   return {p[0] + 0.02*time*std::sin(3*p[1]), p[1]*(1 + 0.1*time), p[2] + 0.1*time*p[0]*p[0]};
 }
 
-// Motions, distances from the origin, numbers of time steps and lattices vary with i.
+// i selects the motion, the distance from the origin, and whether there is a lattice; all else is random.
 inline MovingMesh sheetOfSeries(Random& random, int i)
 {
   const double far = std::vector<double>{0, 10, 1e4, 1e6}[i/4 % 4];

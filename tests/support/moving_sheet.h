@@ -99,7 +99,7 @@ private:
 
 struct EncodedMotion
 {
-  std::vector<uint64_t> words; // aligned
+  std::vector<uint64_t> words; // block() aligns to 16 bytes
   size_t size = 0;
   cvert::MotionStatistics statistics;
 

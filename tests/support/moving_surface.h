@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Moving cages, and rays from the center of moving compressed surfaces at shared vertices and edges. */
+/* A motion of cages, and rays from the center of moving compressed surfaces at vertices and edges. */
 
 #include "support/scene.h"
 

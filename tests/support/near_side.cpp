@@ -86,7 +86,7 @@ private:
   }
 
   // Compares z with both patches where the ray enters and leaves: a hit at the entry, from above, or from below. The
-  // interval is one bin of the paper's 4 bits around our surface.
+  // interval is at least one bin of the paper's 4 bits around our surface.
   void visitLeaf(uint32_t m, const LeafPatch& leaf)
   {
     const NodeBox& box = leaf.box;

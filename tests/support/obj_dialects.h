@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Small OBJ files in the style of various programs. Each has the vertices of one of two cages, see below. */
+/* Small OBJ files in the style of various programs. */
 
 #include <cstddef>
 #include <string>
@@ -17,7 +17,7 @@ struct ObjDialect
   const char* name;
   std::string text;
   size_t vertices, faces;
-  size_t facesWithoutUVs; // number of faces with corners; equals the number of faces if no face has texture coordinates
+  size_t facesWithoutUVs; // number of faces without texture coordinates
 };
 
 /* Replaces the line ends of a text. */

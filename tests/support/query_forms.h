@@ -99,7 +99,8 @@ private:
     }
   }
 
-  // Calls closure(word of RTCRayHit, row of a packet). A packet aligns the words of rays and hits separately.
+  // Calls closure(word of RTCRayHit, row of a packet). The rows of a packet are consecutive; RTCRayHit
+  // aligns its ray and its hit.
   template<typename Closure>
   static void forWords(const Closure& closure)
   {

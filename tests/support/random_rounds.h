@@ -9,7 +9,7 @@
 
 namespace cbvh::test {
 
-// CBVH_RANDOM_GEOMETRIES may increase it.
+// CBVH_RANDOM_GEOMETRIES replaces the default.
 inline size_t randomRounds(size_t byDefault)
 {
   const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");

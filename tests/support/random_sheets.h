@@ -12,8 +12,8 @@
 namespace cbvh::test {
 
 enum class Shape {
-  Waves, Noise, Spikes, Jumps, Folded, Saddle, Vertical, // displaced
-  Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide // with difficult outlines
+  Waves, Noise, Spikes, Jumps, Folded, Saddle, Vertical,
+  Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide
 };
 const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps,
                                       Shape::Folded, Shape::Saddle, Shape::Vertical,       Shape::Flat,
@@ -35,7 +35,7 @@ struct Sheet
 };
 Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement& at);
 
-// Commits the sheet as one block, or as GRID for RTC_COMPRESSION_NONE.
+// Commits the sheet at frame level 0, or as GRID for RTC_COMPRESSION_NONE. `sheet` must outlive the scene.
 void commitSheet(RTCDevice device, RTCScene scene, const Sheet& sheet, RTCCompression compression);
 
 enum class RayKind

@@ -45,7 +45,7 @@ void axisInWorld(const Block* block, int axis, double size, double out[3])
   }
 }
 
-// W is smallest at the corners of the box. SIMD uses W at the position of the ray.
+// W is smallest at a corner of the box. SIMD uses W at the position of the ray.
 double smallestW(const Block* block)
 {
   const FrameMap map = frameMap(block);
@@ -87,7 +87,7 @@ struct UncertainRay
   double epsilon[3];    // see local_ray.h
   double shift[3][3];   // epsilon of each axis, as a world vector
   double rounding;      // rounding of t
-  double middle, half;  // ray parameter nearest to the center of the block, and half the size of the block
+  double middle, half;  // ray parameter nearest to the center of the block, and its distance to the moved ends
 
   UncertainRay(const Block* block, const RTCRay& r) : block(block)
   {

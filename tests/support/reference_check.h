@@ -7,7 +7,8 @@
  *
  * The results must be equal except for rounding. SIMD knows both ends of a ray in a block up to "epsilon" of
  * framed/local_ray.h, and widens bounds by as much. A different result must therefore be the scalar intersector's for a
- * ray whose ends move by at most epsilon, with bounds widened by 0 to 2 epsilons (one by SIMD, one for the moved ray):
+ * ray whose ends move by at most 2 epsilons (one for the ray, one for heights of leaves), with bounds widened by 0 to 2
+ * epsilons (one by SIMD, one for the moved ray):
  * a miss, or a hit with t, u, v and normal of its leaf. Such rays are counted by the decision that rounding affects:
  *   - hit or miss, for example at silhouettes and borders,
  *   - which of several leaves, for example at edges and where leaves overlap,
@@ -35,7 +36,7 @@ public:
 
   static void traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any);
 
-  // Directions have length 1 or all lengths that Embree supports. A sheet that is not compressed must have GRID's hits.
+  // Directions have length 1, or lengths from 1e-15 to 1e18. A sheet that is not compressed must have GRID's hits.
   void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysPerKind,
              bool unitLength = true);
 

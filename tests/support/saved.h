@@ -23,7 +23,7 @@
 
 namespace cbvh::test {
 
-// A new, empty folder. The destructor removes it with its contents.
+// A new, empty folder. The destructor removes it with its files.
 class Folder
 {
 public:

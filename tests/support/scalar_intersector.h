@@ -4,7 +4,7 @@
 #pragma once
 
 /* A readable reference for the SIMD intersectors of a block: any precision, one child at a time, no mirrored axes, no
- * nodes skipped because of a closer hit. Its decisions are functions of the codec.
+ * nodes skipped because of a closer hit. Its decisions are functions of kernels/cbvh/framed.
  *
  * The SIMD path widens bounds by the float error of its ray. "widening" is the multiple of that error by which this
  * intersector widens: 0 gives the exact result, and SIMD's result lies between the results for 0 and for 2. */
@@ -79,7 +79,7 @@ namespace embree
       /*! True if the segment intersects a box in its first axes. */
       bool meets (const NodeBox& box, int axes) const { return isOnSegment(rangeInBox(segment,box,axes)); }
 
-      /*! True if the segment passes above a box with whose x and y range it overlaps. */
+      /*! True if the segment passes above the box; it must overlap the box in x and y. */
       bool isAbove (const NodeBox& box) const
       {
         const Range<Real> range = rangeInBox(segment,box,2);
@@ -93,7 +93,7 @@ namespace embree
         case Kind::GRID : gridLeaf(m); break;
         case Kind::VOXEL: voxelLeaf(m,box); break;
         case Kind::LEAF : patchLeaf(m); break;
-        case Kind::VERT : break; // cvert/decoder/decoded_block.h
+        case Kind::VERT : break; // has no blocks with frames
         }
       }
 

@@ -22,7 +22,7 @@ namespace cbvh::test {
 
 using Vec = std::array<float, 3>;
 
-// Stores the last error, counts errors and live bytes.
+// Stores the last error, and counts errors.
 class Device
 {
 public:
@@ -42,7 +42,7 @@ public:
   operator RTCDevice() const { return device; }
   explicit operator bool() const { return device != nullptr; }
 
-  // Clears the last error.
+  // Returns and clears the last error.
   RTCError takeError() { rtcGetDeviceError(device); return std::exchange(lastError, RTC_ERROR_NONE); }
   std::string message;
   unsigned errors = 0;
@@ -71,7 +71,7 @@ private:
 struct Cage
 {
   std::vector<Vec> positions;
-  std::vector<unsigned> faces;
+  std::vector<unsigned> faces; // numbers of corners
   std::vector<unsigned> indices;
   std::vector<std::array<unsigned, 2>> creases;
   std::vector<float> creaseWeights;
@@ -155,8 +155,8 @@ inline Cage sheetCage(unsigned n)
   return cage;
 }
 
-// P += scale * amplitude * field((P - offset)/scale). It does not depend on the normal, so faces displace shared
-// vertices the same way.
+// P += scale * amplitude * field(frequency*(P - offset)/scale). It does not depend on the normal, so faces displace
+// shared vertices the same way.
 struct Displacement
 {
   float amplitude = 0.05f, frequency = 7;
@@ -210,7 +210,7 @@ struct SurfaceSettings
   Displacement* displacement = nullptr; // must outlive the scene
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
-  float maxError = 0;                   // for automatic frame levels; 0: the device's value
+  float maxError = 0;                   // 0: the device's value; unused if compression and frameLevel are inherited
   bool fallbackFaces = false;              // cLEAF: tests are about approximate leaves
   unsigned timeSteps = 1;
   // of the cage's vertices, before scale and offset; by default 0.1 along x per step
@@ -301,7 +301,7 @@ private:
   }
 };
 
-// Largest size of a thread's cache: it must fit into the second-level cache of a core.
+// Largest size of a thread's cache, in bytes: it must fit into the second-level cache of a core.
 inline size_t cacheLimit()
 {
   return size_t(sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024 ? 1024 : 512) << 10;

@@ -20,7 +20,7 @@ struct VertTriangle
 {
   std::array<std::array<float, 3>, 3> vertices; // in the order of GRID
   unsigned geomID, primID;
-  // of its vertices; rows and columns of edges with a lower rate are not considered
+  // of its vertices, as if all edges had the highest rate
   double u[3], v[3];
 
   bool hasArea() const
@@ -68,7 +68,8 @@ struct ExactHit
 // Distance of a point from the nearest edge relative to the triangle; negative if the point is outside.
 inline double inside(const ExactHit& h) { return std::min({h.weight[0], h.weight[1], h.weight[2]}); }
 
-// Intersects the ray's line with the triangle's plane in double precision.
+// Intersects the ray's line with the triangle's plane in double precision. Returns false if they
+// are parallel.
 inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
 {
   const double o[3] = {r.org_x, r.org_y, r.org_z}, d[3] = {r.dir_x, r.dir_y, r.dir_z};

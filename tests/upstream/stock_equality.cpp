@@ -47,7 +47,7 @@ struct Record
   float tfar, u, v, Ngx, Ngy, Ngz;
 };
 
-// --- scenes: all inside [-1,1]^3 ---------------------------------------------------
+// --- scenes: all inside [-1.2,1.2]^3 ---------------------------------------------------
 
 template<typename T>
 T* buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
@@ -64,7 +64,7 @@ unsigned attach(RTCScene scene, RTCGeometry geometry)
   return id;
 }
 
-// A sphere of 2n x n quads, (0,0) to (1,1) in the order of its rows.
+// A sphere of 2n x n quads, row by row.
 std::vector<Vec> spherePoints(unsigned n, float radius)
 {
   std::vector<Vec> points;
@@ -190,7 +190,7 @@ void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced
   attach(scene, geometry);
 }
 
-// Accepts hits on every other quarter of the surface.
+// Rejects hits in every second eighth of u.
 void filter(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++)

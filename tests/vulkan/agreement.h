@@ -16,11 +16,11 @@ struct Agreement
 {
   size_t rays = 0, hits = 0;
   size_t otherHit = 0;    // a hit instead of a miss, or the reverse
-  size_t otherPlace = 0;  // different IDs, or a distance of more than a hundredth of the width of a quad of 1/64
+  size_t otherPlace = 0;  // different IDs, a t that differs by more than 1e-5 of it, or u or v by more than 1e-3
   size_t otherNormal = 0; // at the same position, for example on the edge of two triangles
   size_t otherAny = 0;    // any hit differs from closest hit
 
-  // Allows one ray in 10^5, for example a ray that grazes an edge; tests have fewer rays.
+  // Allows a few differences, for example of rays that graze an edge.
   void expect() const
   {
     EXPECT_GT(hits, rays/10) << "too many rays miss";

@@ -28,7 +28,7 @@ inline Fault faultOf(const std::string& function)
   return {VK_ERROR_OUT_OF_HOST_MEMORY, "VK_ERROR_OUT_OF_HOST_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
 }
 
-// True for functions whose failure is not an error: it only affects the cache file or a time.
+// True for functions whose failure is not an error: it only affects the cache file, a time or a poll.
 inline bool isOptional(const std::string& function)
 {
   return function == "GetPipelineCacheData" || function == "GetQueryPoolResults" || function == "GetFenceStatus";

@@ -35,7 +35,7 @@ inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsign
   return geometry;
 }
 
-// Surfaces without displacement: four faces over [-1,1]^2.
+// Settings of surfaces without displacement.
 inline SurfaceSettings smallSurface(RTCCompression compression)
 {
   SurfaceSettings settings;

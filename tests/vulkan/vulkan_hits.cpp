@@ -62,7 +62,7 @@ TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
     for (int i = 0; i < 8; i++) {
       SurfaceSettings s = settings(kind);
       const Cage cage = cubeCage();
-      /* the same rate on both sides of an edge: the sum of its vertices is unique among edges of the same length */
+      /* symmetric in a and b: the same rate on both sides of an edge */
       for (size_t f = 0, k = 0; f < cage.faces.size(); k += cage.faces[f++])
         for (unsigned e = 0; e < cage.faces[f]; e++) {
           const unsigned a = cage.indices[k + e], b = cage.indices[k + (e + 1) % cage.faces[f]];
