@@ -32,9 +32,18 @@ struct Tessellation
     if (!displaced || !view.model.displacement)
       return s.p;
     const FacePoint q = surface.patches().toEmbree(p);
+    const Vec3d normal = normalize(cross(s.du, s.dv));
+    const SurfacePoints point{q.face, level, 1, &q.u, &q.v};
+    if (!view.model.displacement->isAlongNormals())
+    {
+      const Vec3f n{float(normal.x), float(normal.y), float(normal.z)};
+      Vec3f v;
+      view.model.displacement->vectors(point, &n, &v);
+      return s.p + toDouble(v);
+    }
     float offset;
-    view.model.displacement->offsets({q.face, level, 1, &q.u, &q.v}, &offset);
-    return s.p + double(offset) * normalize(cross(s.du, s.dv));
+    view.model.displacement->offsets(point, &offset);
+    return s.p + double(offset) * normal;
   }
 
   /* Corners of size x size quads. */

@@ -39,6 +39,7 @@ Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
   rest.cornerVertices = cage.cornerVertices;
   rest.cornerSharpness = cage.cornerSharpness;
   rest.boundary = cage.boundary;
+  rest.creaseRule = cage.creaseRule;
   size_t corner = 0;
   for (size_t face = 0; face < cage.numFaces(); corner += cage.faceSizes[face++])
     if (numberOf[face] >= 0)
