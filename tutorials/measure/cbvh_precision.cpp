@@ -361,8 +361,8 @@ int run(int argc, char** argv)
   Options options;
   CLI::App app("Compares precisions of cVERT with Embree's own kernel for the same geometry. Prints bytes per quad, "
                "without the application's buffers; the speed of rays and the processor time of commits in multiples of "
-               "Embree's, as medians and half of their interquartile ranges; and how far vertices move, in median edges: the "
-               "99th percentile and the maximum.", "cbvh_precision");
+               "Embree's, as medians and half of their interquartile ranges; and how far vertices move, in median "
+               "edges: the 99th percentile and the maximum.", "cbvh_precision");
   options.compared.scenes = {"trex"};
   options.compared.level = 5;
   options.compared.addOptions(app);
