@@ -33,7 +33,7 @@ public:
   bool compresses() const { return functions.at("rtcSetGeometryCompression"); }
   bool isSameFile(const Library& other) const { return opened == other.opened; }
 
-  /* "library A (FILE)", or "libembree3.so.3". */
+  /* "library A (PATH)", or the path of the program's own library. */
   std::string description() const;
 
 private:

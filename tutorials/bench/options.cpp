@@ -193,7 +193,7 @@ void declareMeasurement(CLI::App& app, BenchOptions& o, OptionTexts& texts)
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in diagonals of the bounding box")
     ->type_name("D")->capture_default_str();
-  app.add_option("--seed", o.seed, "seed of bounced rays and of hits that are compared with the true surface")
+  app.add_option("--seed", o.seed, "seed of bounced rays, checks, and hits that are compared with the true surface")
     ->type_name("N")->capture_default_str();
   app.add_option("--build-threads", o.buildThreads, "threads for building, 0 for all")
     ->type_name("N")->capture_default_str();

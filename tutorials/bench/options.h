@@ -43,7 +43,7 @@ struct BenchOptions
   int repeat = 7;            // 0 to skip speed
   ImageSize size;
   float rayOffset = 1e-4f;   // of bounced rays, in diagonals of the bounding box
-  uint32_t seed = 1;         // of bounced rays and of hits for the true surface
+  uint32_t seed = 1;         // of bounced rays, hits for the true surface, and checks
   Checks checks;
   Vec3f position;            // of the models
   std::optional<float> maxError; // in diagonals of the cage's bounding box; 0: lossless cVERT; unset: the default
@@ -54,7 +54,8 @@ struct BenchOptions
   std::string command;       // program without its folder, and arguments
 };
 
-/* Returns nothing after printing help. Throws Error, one line, before anything is built. */
+/* Returns nothing after --help, --version and --about, once their output is printed. Throws Error, one line, before
+ * anything is built. */
 std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine);
 
 } // namespace cbvh

@@ -49,7 +49,7 @@ struct ViewResult
   HitErrors errorsAwayFromSilhouettes;  // the same, without rays near silhouettes
   std::optional<HitErrors> toReference; // primary rays, against GRID at the reference level
   std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
-  std::optional<HeightBins> bins, binsAwayFromSilhouettes; // only for cLEAF-only with a given frame level
+  std::optional<HeightBins> bins, binsAwayFromSilhouettes; // cLEAF-only with a frame level, if toTrue is set
   HitErrors bounced;                    // incoherent rays, against GRID at the same level
   std::string picture, errorMap;        // file names
 };

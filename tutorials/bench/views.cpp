@@ -17,7 +17,7 @@
 namespace cbvh {
 namespace {
 
-/* Views of numbers are named by their index. */
+/* "view1" for the first view if it is given as numbers. */
 std::string fileNameOf(const std::string& view, size_t index)
 {
   return view.find(',') == std::string::npos ? view : "view" + std::to_string(index + 1);

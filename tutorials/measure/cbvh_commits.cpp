@@ -257,7 +257,7 @@ int run(int argc, char** argv)
     ->type_name("N")->capture_default_str();
   app.add_flag("--release-input", options.releaseInput,
                "release input buffers when a geometry is committed (compressed geometries only)");
-  app.add_option("--repeat", options.repeat, "number of edits, whose median is reported")
+  app.add_option("--repeat", options.repeat, "number of edits, masks and runs of rays, whose medians are reported")
     ->type_name("N")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--rays", options.rays, "number of rays at random geometries")
     ->type_name("N")->capture_default_str();

@@ -64,12 +64,11 @@ void measure(const Options& options, const Model& model)
   double speed[numQueries];
   compareSpeeds(rays, grid.handle(), ours.handle(), options.compared.repeat, speed);
   std::vector<RTCRayHit> hits[2];
-  /* in pixels */
   traceTimed(grid.handle(), timed, hits[0], TimedQuery::Single);
   traceTimed(ours.handle(), timed, hits[1], TimedQuery::Single);
   size_t lost = 0, both = 0, far = 0;
   double squares = 0;
-  std::vector<float> errors;
+  std::vector<float> errors; // in pixels
   const float footprint = rays.camera.footprint();
   for (size_t i = 0; i < timed.size(); i++)
   {
@@ -146,7 +145,7 @@ int run(int argc, char** argv)
   Options options;
   CLI::App app("Compares compressed moving surfaces with GRID's motion blur. Prints bytes per quad, seconds of "
                "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
-               "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 rays.",
+               "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 hits.",
                "cbvh_motion");
   options.compared.addOptions(app);
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")

@@ -33,7 +33,7 @@ struct Options
   ComparedScenes compared;
   std::vector<std::string> sources{"terrain", "national", "scan", "model", "cage"};
   std::vector<std::string> inputs{"grids", "triangles"};
-  std::string motion = "bend"; // of models
+  std::string motion = "bend"; // of models and cages
   std::vector<int> steps{1, 2};
   std::vector<int> divisors;   // of the median edge; empty: one that suits the source
   int sheetQuads = 1536;       // per side of a sheet
@@ -224,7 +224,7 @@ void forEachDicedModel(const Options& options, const Model& model, const Measure
   for (const std::string& input : options.inputs)
   {
     if (input == "grids")
-      continue; // these share vertices between patches
+      continue; // merged vertices are not in rows, as grids require
     Source source = sourceOf(model.name, diced, input, diced.quads.size());
     source.model = model;
     measure(source);
@@ -360,9 +360,9 @@ int run(int argc, char** argv)
 {
   Options options;
   CLI::App app("Compares precisions of cVERT with Embree's own kernel for the same geometry. Prints bytes per quad, "
-               "without the application's buffers; the speed of rays and the time of commits in multiples of Embree's, "
-               "as medians and half of their interquartile ranges; and how far vertices move, in median edges: the "
-               "99th percentile and the maximum.", "cbvh_precision");
+               "without the application's buffers; the speed of rays and the processor time of commits in multiples of "
+               "Embree's, as medians and half of their interquartile ranges; and how far vertices move, in median "
+               "edges: the 99th percentile and the maximum.", "cbvh_precision");
   options.compared.scenes = {"trex"};
   options.compared.level = 5;
   options.compared.addOptions(app);
@@ -377,7 +377,7 @@ int run(int argc, char** argv)
       ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
       ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
-  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")
+  app.add_option("--motion", options.motion, "motion of models and cages: turn, bend, twist, walk")
       ->type_name("NAME")->capture_default_str();
   app.add_option("--divisor", options.divisors,
       "comma-separated list of N: bounds on the movement of vertices to measure besides the default and lossless, 1/N "

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A scene with one geometry, built several times. */
+/* A scene with one geometry, built `repeat` times; the last build remains. Throws Error. */
 
 #include "basics/seconds.h"
 #include "building/subdivision_geometry.h"

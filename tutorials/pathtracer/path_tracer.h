@@ -25,12 +25,12 @@ class PathTracer
 public:
   virtual ~PathTracer() = default;
 
-  /* Traces one path per pixel. Throws Error; the picture is then invalid. */
+  /* Traces one path per pixel. Throws Error and Canceled; the picture is then invalid. */
   void addSample() { addSample(count++); }
 
   unsigned samples() const { return count; }
 
-  /* Mean of the samples, linear, one value per pixel, rows from the top. */
+  /* Mean of the samples, linear, one value per pixel, rows from the top. Requires a sample. Throws Error. */
   std::vector<Vec3f> picture() const;
 
   virtual std::string deviceName() const = 0;

@@ -54,7 +54,7 @@ public:
     HostReadable // also coherent
   };
 
-  /* Throws Error. */
+  /* The device must outlive the buffer. Throws Error. */
   VulkanBuffer(const VulkanDevice& device, VkDeviceSize bytes, Kind kind);
   ~VulkanBuffer() { destroy(); }
   VulkanBuffer(const VulkanBuffer&) = delete;

@@ -13,7 +13,7 @@ namespace cbvh {
 void requireWindows();
 
 /* Shows the picture after each of `samples` samples. Returns when the window is closed, perhaps before the last
- * sample. Throws Error. */
+ * sample. Throws Error and Canceled. */
 void showWindow(PathTracer& tracer, ImageSize size, unsigned samples);
 
 } // namespace cbvh

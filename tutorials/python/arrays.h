@@ -52,6 +52,7 @@ std::vector<unsigned> indexVector(const py::object& value, const std::string& ar
 std::vector<std::pair<unsigned, unsigned>> indexPairs(const py::object& value, const std::string& argument,
                                                       size_t limit);
 
+/* Index of `word` in `words`. */
 size_t choice(const std::string& word, const std::string& argument, const std::vector<std::string>& words);
 
 /* --- results ------------------------------------------------------------------ */

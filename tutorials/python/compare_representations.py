@@ -56,9 +56,9 @@ del grid  # it is rebuilt below
 # %% [markdown]
 # ## Building and measuring
 #
-# Only one level is in memory at a time. Representations are timed alternately on one core, and the median is used, so
-# that other load on the machine affects all of them. Errors are distances from the displaced limit surface in pixels:
-# they include errors of the tessellation, which GRID has, too, and errors of the compression.
+# A level stays in memory until the next one is built. Representations are timed alternately on one core, and the median
+# is used, so that other load on the machine affects all of them. Errors are distances from the displaced limit surface
+# in pixels: they include errors of the tessellation, which GRID has, too, and errors of the compression.
 
 # %%
 rows = []

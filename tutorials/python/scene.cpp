@@ -426,16 +426,17 @@ constexpr const char* trianglesText = R"(Returns the stored triangle of each hit
 hits: hits in this scene.
 time: time of the hits' rays, if the model moves.
 
-Vertices are in world units, NaN for a miss. Only for cvert and cgrid; raises Error for other representations.)";
+Vertices are in world units, NaN for a miss or if no triangle is stored. Only for cvert and cgrid; raises Error for
+other representations.)";
 
 constexpr const char* tessellationText = R"(Returns the whole stored surface as a dict of arrays.
 
 time: 0 to 1, for models that move.
 
 Keys: vertices, (n, 3) float32 in world units; quads, (m, 4) uint32, vertices in order around each quad; primID, (m,)
-uint32, the face of each quad. A quad 00, 10, 11, 01 consists of the triangles 00, 10, 01 and 01, 10, 11. Blocks have up
-to 16 x 16 quads; vertices at their borders are repeated, as the same floats. Only for cvert and cgrid; raises Error for
-other representations.)";
+uint32, the face of each quad. A quad 00, 10, 11, 01 consists of the triangles 00, 10, 01 and 01, 10, 11. Parts
+have up to 16 x 16 quads, in cgrid up to 256 x 256; vertices at their borders are repeated, as the same floats, in
+cgrid only within a face. Only for cvert and cgrid; raises Error for other representations.)";
 
 constexpr const char* saveText = R"(Saves a compressed scene to a file, which load() and cbvh_render --load open.
 

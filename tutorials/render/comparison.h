@@ -20,7 +20,7 @@ struct Result
 {
   Representation representation;
   BuildReport build;
-  std::optional<HitErrors> errors; // unset for the reference itself
+  std::optional<HitErrors> errors; // unset for the reference itself, and without one
   std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
   Speeds speed;
@@ -39,7 +39,7 @@ struct Comparison
   float quadSize = 0;         // pixels; 0 if the view does not determine levels
   bool isMesh = false;        // without levels
   bool compares = false;      // there are several representations
-  std::string reference;      // of the errors; empty without errors
+  std::string reference;      // of the errors; empty without GRID and NAIVE
   size_t trueHits = 0;        // compared with the true surface
   std::string pictures;       // paths and contents
   std::vector<Result> results; // in the order of the options

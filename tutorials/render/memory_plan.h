@@ -18,8 +18,9 @@ struct MemoryPlan
   std::vector<std::string> skipped; // reasons, one line per other representation
 };
 
-/* GRID is left out if it does not fit next to the compressed representations, and NAIVE and NAIVE-compact if they do
- * not fit next to GRID. `available` is in bytes. Throws Error if nothing fits. */
+/* Leaves out compressed representations that do not fit alone, GRID if it does not fit next to the largest other one,
+ * and NAIVE and NAIVE-compact if they do not fit next to GRID. `available` is in bytes. Throws Error if nothing
+ * fits. */
 MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 
 } // namespace cbvh

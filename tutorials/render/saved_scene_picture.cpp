@@ -28,7 +28,8 @@
 namespace cbvh {
 namespace {
 
-/* Time of a ray through the middle of the picture, including initialization for a thread's first ray. */
+/* Time of a ray through the middle of the picture, including initialization for a thread's first ray unless a close
+ * view was fitted by tracing. */
 double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
 {
   const std::vector<Ray> rays = primaryRays(camera);
@@ -39,7 +40,7 @@ double firstRaySeconds(const Options& options, const SavedScene& scene, const Ca
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/* Single rays on one thread. The first round also loads the pages that rays reach. */
+/* Single rays on one thread. The first round also loads the pages that only bounced rays reach. */
 Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene,
                     const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
 {

@@ -19,7 +19,7 @@ namespace cbvh {
 
 using RaySets = std::vector<Ray>[numRaySets];
 
-/* The options contain the size. `hits` belong to the primary rays. */
+/* Number and offset of the rays are in the options. `hits` belong to the primary rays. */
 void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
                  const std::vector<SurfaceHit>& hits, RaySets& sets);
 

@@ -108,7 +108,7 @@ float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, 
   double sum = 0;
   for (int i = 0; i < options.azimuths; i++)
   {
-    // rays along an axis would lie in the plane of a tile's border
+    // + 0.5, because rays along an axis would lie in the plane of a tile's border (if azimuths is a multiple of 4)
     const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
     const auto isOccluded = [&](double degrees) {
       rays++;

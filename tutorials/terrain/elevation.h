@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An elevation raster; each sample is a vertex. Only rows in use are in memory. */
+/* An elevation raster; each sample is a vertex. Only rows in use are in memory, but all if it is repeated. */
 
 #include "surface/map_image.h"
 

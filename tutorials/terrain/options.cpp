@@ -31,7 +31,7 @@ bool parseOptions(Options& options, int argc, char** argv)
   app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
   app.add_option("--nodata", options.elevation.nodata,
       "height of missing samples, in addition to NaN and GDAL's tag");
-  app.add_option("--height-repeat", repeat, "copies of the raster, each mirrored; N, or columns x rows [1]")
+  app.add_option("--height-repeat", repeat, "copies of the raster, every other one mirrored; N, or columns x rows [1]")
       ->type_name("N|NxM");
   app.add_option("--noise-height", options.elevation.noiseHeight,
       "height of noise that makes copies differ [4 cells, 0 without --height-repeat]");

@@ -17,7 +17,7 @@ struct ViewerOptions
   SceneSettings scene;                         // the window starts empty without a name
   std::vector<Representation> representations; // one, or two for a split screen
   BuildSettings build;
-  bool autoLevel = false;                   // rates by the initial view instead of build.level
+  bool autoLevel = false;                   // rates by the view instead of build.level
   float quadSize = 1;                       // of rates by the view, in pixels
   float maxPixelError = 0;                  // largest lattice spacing of cVERT with rates by the view, pixels; 0: none
   PictureMode mode = PictureMode::Shading;

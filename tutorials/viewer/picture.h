@@ -77,8 +77,8 @@ struct PictureSettings
 /* Where the right pane starts. */
 int splitColumn(ImageSize size, float split);
 
-/* Frame level of a patch of `resolution` quads per side, as documented for rtcSetGeometryCompression; 0 for NAIVE and
- * GRID. */
+/* Frame level of a patch of `resolution` quads per side, as documented for rtcSetGeometryCompression. cVERT's blocks
+ * count as frames; 0 for NAIVE and GRID. */
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
 /* Rendered sample by sample. The first sample is through the centers of pixels, and all figures belong to it. */
@@ -94,7 +94,7 @@ public:
   int wantedSamples() const { return settings.mode == PictureMode::Shading ? settings.samples : 1; }
   bool isComplete() const { return count >= wantedSamples(); }
 
-  /* The mean of at least one sample. */
+  /* Requires a sample. */
   const Image& image() const { return shown; }
 
   /* One report per pane. */

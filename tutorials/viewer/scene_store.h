@@ -5,7 +5,8 @@
 
 /* Builds one scene at a time in the background. Earlier scenes stay while there is memory, for switching back.
  *
- * Call all functions on one thread. References to scenes are valid until the next request. */
+ * Call all functions on one thread. Requested scenes stay valid until the next request, others
+ * until the next poll. */
 
 #include "building/built_scene.h"
 #include "building/view_dicing.h"
@@ -28,20 +29,20 @@ struct SceneKey
 {
   Representation representation;
   int level = 6;
-  std::optional<Camera> camera; // only for autoLevel, except meshes and NAIVE
+  std::optional<Camera> camera; // only for autoLevel, except meshes and triangles
 };
 
 /* True if equal, or both unset. */
 bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b);
 
-/* Ignores frame levels of representations without frames. */
+/* Ignores frame levels of NAIVE and GRID. */
 bool operator==(const SceneKey& a, const SceneKey& b);
 inline bool operator!=(const SceneKey& a, const SceneKey& b) { return !(a == b); }
 
 class SceneStore
 {
 public:
-  /* The key's level replaces the settings' level. The worker must outlive the store. */
+  /* The key's level replaces the settings' level. Model and worker must outlive the store. */
   SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
 
   /* Settings for autoLevel. `maxPixelError` bounds the spacing of cVERT, 0 for no bound. */

@@ -91,7 +91,7 @@ public:
   void resetView();
   void fitView();
 
-  /* Options for the same view: --view, and --up if setUp chose another axis for a cage. */
+  /* Options for the same view: --view, and --up if setUp chose another axis for a cage or a file. */
   std::string viewOptions() const;
 
   /* One of upAxes(). setUp also shows the whole model. */
@@ -101,10 +101,10 @@ public:
 
   void orbit(float right, float upwards);
   void look(float right, float upwards);
-  void walk(float right, float forward); // in steps, about 50 to the target
+  void walk(float right, float forward); // in steps, 50 to the first target
   void pan(Vec2f pixels, float depth);
 
-  /* Distance along the view of the visible point, otherwise of the target. */
+  /* Distance along the view of the visible point, otherwise of the target; 0 without a model. */
   float depthAt(Vec2f pixel) const;
 
   /* Comes `factor` times as close to the visible point. */

@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* Returns when the window is closed. Throws Error if there is no display. */
+/* Returns when the window is closed. Throws Error if there is no display, and Canceled after a signal. */
 void showWindow(const ViewerOptions& options);
 
 } // namespace cbvh

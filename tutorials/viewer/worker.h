@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Runs one background task at a time. Call all functions except progress on one thread. */
+/* Runs one background task at a time. Call all functions on one thread. */
 
 #include <functional>
 #include <future>
