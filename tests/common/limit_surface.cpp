@@ -232,6 +232,22 @@ TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
   expectEmbrees(cage, 0, random);
 }
 
+TEST(LimitSurface, HolesKeepTheCreaseRule)
+{
+  Random random(6);
+  Cage cage = moved(sheet(4), random, 0.3);
+  cage.creaseEdges = {{6, 7}, {7, 8}};
+  cage.creaseSharpness = {0.5f, 2.5f};
+  Cage uniform = cage;
+  cage.creaseRule = CreaseRule::Chaikin;
+  Cage holed = cage;
+  holed.holes = {15};
+  const PatchPoint nearCrease{5, 0, 0.1, 0.1};
+  const Vec3d p = LimitSurface(cage).evaluate(nearCrease).p;
+  EXPECT_NEAR(length(LimitSurface(holed).evaluate(nearCrease).p - p), 0, 1e-12);
+  EXPECT_GT(length(LimitSurface(uniform).evaluate(nearCrease).p - p), 1e-4);
+}
+
 /* Faces with these numbers of vertices around vertex 0, open, over five sixths of a circle. */
 Cage fan(const std::vector<unsigned>& faceSizes)
 {
