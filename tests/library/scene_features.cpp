@@ -362,7 +362,7 @@ TEST_P(SceneFeatures, NearestAcceptedHitIsFound)
   EXPECT_GT(past, 100u) << "the filter rejected too few first hits";
 }
 
-// Of the hits that the filter sees, in any order, it rejects the first, third and so on.
+// The filter rejects its first, third and further odd calls, whose order is any.
 TEST_P(SceneFeatures, FilterMayRejectEveryOtherHit)
 {
   Scene scene(device);
