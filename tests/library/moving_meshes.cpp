@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Moving grids, quads and triangles match Embree's own kernels if vertices are on the lattice at all steps, with every
- * query and on every ISA. */
+/* Moving grids, quads and triangles match Embree's own kernels if vertices are on the lattice at all steps or stored
+ * without loss, with every query and on every ISA. */
 
 #include "support/filtered_geometry.h"
 #include "support/irregular_mesh.h"
@@ -350,7 +350,7 @@ TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
     }
 }
 
-// A range of times that is a part of a ray's times, and one that extends beyond them.
+// Time ranges inside of, around, and partly outside of the rays' times.
 TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
 {
   Random random(3149);
@@ -381,7 +381,7 @@ TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
   }
 }
 
-// Embree leaves out primitives with a vertex that is not finite at any step, or that does not exist.
+// Embree leaves out primitives with a vertex that is not finite at one of the steps, or that does not exist.
 TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
 {
   Random random(3150);
@@ -454,7 +454,7 @@ TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes)
   }
 }
 
-// Triangles at a time are between those of the steps, and contain the hits.
+// The triangle's vertices lie between their positions at the steps, and its plane contains the hit.
 TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
 {
   Random random(3145);

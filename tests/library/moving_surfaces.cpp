@@ -76,7 +76,7 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
   expectSameFilteredHits(device, make, true, timedRays(random, 600), 1e-3);
 }
 
-// A cage without displacement, so that its surface between two steps is the surface of the interpolated cage.
+// No displacement, so that the surface between two steps is the surface of the interpolated cage.
 SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
 {
   SurfaceSettings settings;
@@ -88,7 +88,7 @@ SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
   return settings;
 }
 
-// GRID's surface of the cage at a time.
+// Interpolates the cage linearly at a time.
 Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
 {
   const float at = (time - settings.begin)/(settings.end - settings.begin)*float(settings.timeSteps - 1);

@@ -12,11 +12,11 @@
 namespace cbvh::test {
 namespace {
 
-// Refuses one of the following allocations.
+// Refuses call `refusedCall` after it is armed, if the call is an allocation.
 struct Monitor
 {
   std::atomic<ssize_t> live{0};
-  std::atomic<long> calls{0}, refused{0}; // counted while commits run
+  std::atomic<long> calls{0}, refused{0}; // while armed; calls include releases
   long refusedCall = 0;                   // 0: no call
   std::atomic<bool> isArmed{false};
 
@@ -50,8 +50,8 @@ RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
   return newMesh(device, type == 2 ? mesh : trianglesOf(mesh), RTC_COMPRESSION_CVERT, 0, timeSteps);
 }
 
-// Changes and commits a geometry and its scene, then again with enough memory. Returns the allocations of the first
-// commits.
+// Changes and commits a geometry and its scene, then again with enough memory. Returns the monitor's calls
+// during the first commits, including releases.
 long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags flags)
 {
   Monitor monitor;

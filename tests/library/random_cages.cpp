@@ -29,7 +29,7 @@ Cage randomCage(Random& random)
   case 3: return sheetCage(1 + random.below(5));
   case 4: return quadCage();
   }
-  Cage soup; // arbitrary faces of few vertices
+  Cage soup; // arbitrary faces that share few vertices
   const unsigned vertices = 3 + random.below(20);
   for (unsigned i = 0; i < vertices; i++)
     soup.positions.push_back({float(random.normal()), float(random.normal()), float(random.normal())});

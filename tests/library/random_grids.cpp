@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random sizes, strides and vertices, mostly invalid. Valid grids are traced; errors are reported. Memory has exactly
- * the size that the API requires, for sanitizers.
+/* Random sizes, strides and vertices, mostly invalid. Valid grids are traced; errors are reported. Buffers end at most
+ * 4 bytes after the range that the API requires, for sanitizers.
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for a longer run */
 
@@ -18,7 +18,7 @@ namespace {
 struct RandomGrids
 {
   size_t numVertices, vertexStride, numGrids, gridStride;
-  std::unique_ptr<char[]> vertices, grids; // vertices include the 4 bytes after the last one, which Embree may read
+  std::unique_ptr<char[]> vertices, grids; // each with 4 more bytes, which Embree may read after the last vertex
 
   explicit RandomGrids(Random& random)
     : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)),

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Partly regular meshes of quads and triangles with errors: each primitive that Embree traces must be stored exactly
- * once, with its own vertices. Memory has exactly the size that the API requires, for sanitizers.
+ * once, with its own vertices. Buffers end at most 4 bytes after the range that the API requires, for
+ * sanitizers.
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for a longer run */
 
@@ -67,7 +68,7 @@ DicedMesh randomMesh(Random& random)
   return mesh;
 }
 
-// A buffer with a stride, including the 4 bytes after its last vertex, which Embree may read.
+// A buffer with a stride, and 4 more bytes, which Embree may read after the last vertex.
 struct Strided
 {
   size_t stride;
@@ -119,7 +120,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     const auto isFinite = [&](unsigned k) {
       return std::isfinite(mesh.vertices[k][0] + mesh.vertices[k][1] + mesh.vertices[k][2]);
     };
-    // the triangle with u = v, which mesh blocks leave out if it has no area
+    // the triangle that contains the point (u,u); mesh blocks leave it out if it has no area
     const unsigned halves[2][3] = {{0, 1, corners == 3 ? 2u : 3u}, {2, 3, 1}};
     const auto hasArea = [&](const unsigned* v, float u) {
       const unsigned* half = halves[u > 0.5f];

@@ -153,8 +153,8 @@ TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
   expectLoadable(path);
 }
 
-// Two containers can have writers with the same process ID 1.
-TEST_F(ReplacedFiles, ExistingTemporaryNameDoesNotPreventASave)
+// Unlike temporary files, these names do not contain ".cbvh-part-".
+TEST_F(ReplacedFiles, FilesWithSimilarNamesStay)
 {
   const auto take = [&](int process, int count) {
     writeBytes(path + ".part-" + std::to_string(process) + "-" + std::to_string(count), "");

@@ -96,8 +96,8 @@ double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
 }
 
 /* Largest distance of the hit leaf from its quads, along the finer surface's normal: in cLEAF half its thickness,
- * measured in z of the frame; in cVOXEL, where rays hit boxes on entry, its extent. On borders, the smaller value of
- * two leaves. */
+ * measured in z of the frame; in cVOXEL and solid leaves, where rays hit boxes on entry, its extent. On borders, the
+ * smallest value of the leaves there. */
 double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit)
 {
   using namespace embree::cbvh;
@@ -200,7 +200,7 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
     }
 }
 
-// Small faces: level 6 is 8.6 times smaller in cLEAF; here most faces have a fraction of its quads.
+// The ratios are larger than at level 6, because most faces have a fraction of its quads.
 TEST_P(AnyRates, MemoryIsAFractionOfGrid)
 {
   const double largestPart = GetParam() == RTC_COMPRESSION_CGRID ? 0.65

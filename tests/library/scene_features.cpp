@@ -195,7 +195,7 @@ struct SeenHit
   float t, u, v, Ng[3];
 };
 
-// Hits that a filter sees and rejects; passed through the ray query context.
+// Records all hits that a filter sees; passed through the ray query context.
 struct FilterContext
 {
   RTCIntersectContext context; // must be the first member
@@ -362,7 +362,7 @@ TEST_P(SceneFeatures, NearestAcceptedHitIsFound)
   EXPECT_GT(past, 100u) << "the filter rejected too few first hits";
 }
 
-// Rejects every other call in any order: the second hit along a ray is accepted.
+// The filter rejects its first, third and further odd calls, whose order is any.
 TEST_P(SceneFeatures, FilterMayRejectEveryOtherHit)
 {
   Scene scene(device);
@@ -525,7 +525,7 @@ void compareAllPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
 }
 
 // Rays of a picture, many per block. Some look back from the other side; some begin after the surface, end before it,
-// have no range, or do not see the geometry.
+// have an empty range or mask 4.
 std::vector<RTCRayHit> pictureRays(Random& random, unsigned side)
 {
   std::vector<RTCRayHit> rays;
@@ -654,7 +654,7 @@ TEST(Packets, RaysOnEdgesAndInPlanesMatchSingleRays)
   }
 }
 
-// Inactive rays, as in the last packet of a stream.
+// Active lanes with an empty range, also NaN, as in the last packet of a stream, are not changed.
 template<unsigned N, typename Packet>
 void expectLeftAlone(RTCScene scene, const RTCRayHit& active,
                      void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),

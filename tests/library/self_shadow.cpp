@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Secondary rays from a representation's own hits agree with GRID's rays from GRID's hits, except for a bounded share.
- * The paper's rule, a hit at the near side of every interval along the ray, needs a larger offset for the same share.
- * */
+ * The paper's rule, a hit at the near side of every interval along the ray, needs a larger offset for the same
+ * share. */
 
 #include "measure/self_shadow.h"
 #include "support/near_side.h"
@@ -53,7 +53,7 @@ struct Fixture
     return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
   }
 
-  // Mean edge length of a quad.
+  // Mean length of the edges in the patches' first rows.
   float quadWidth() const
   {
     BuildSettings settings;

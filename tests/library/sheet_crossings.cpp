@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A million rays per representation through random displaced sheets, compared with GRID, as single rays and in coherent
- * packets, and rays that passed in earlier versions. cbvh_bench --check sheets traces more. */
+/* Rays through random displaced sheets, compared with GRID: per representation a million single rays and a million in
+ * coherent packets. Also rays that passed in earlier versions. cbvh_bench --check sheets traces more. */
 
 #include "basics/parallel.h"
 #include "measure/sheet_crossings.h"

@@ -73,7 +73,8 @@ namespace embree
         int latticeExponent (unsigned) const { return exponent; }
 
       private:
-        /*! Faces 0 to 2 are at the positive ends of the axes, 3 to 5 at the negative ends, seen from behind. */
+        /*! Faces 0 to 2 are at the positive ends of the axes, 3 to 5 at the negative ends, where x and y are
+         *  exchanged so that normals point outwards. */
         void evaluate (unsigned x, unsigned y, float p[3]) const
         {
           auto coordinate = [&](unsigned i) { return 2.0*i/quads[0] - 1.0; };

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares every level and frame level that can be compressed with GRID. */
+/* Compares levels 1 to 8 with GRID, at every frame level up to the level. */
 
 #include "support/grid_agreement.h"
 

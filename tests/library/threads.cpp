@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Several threads trace one scene, and commit scenes of one device, concurrently. The results match those of one
- * thread, without data races under ThreadSanitizer. */
+/* Several threads trace one scene, and commit scenes of one device, concurrently. All threads must get
+ * the same results, without data races under ThreadSanitizer. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -69,7 +69,8 @@ Answers trace(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return answers;
 }
 
-// Otherwise equal results would mean nothing: half of the rays at a surface hit it, and the same number is occluded.
+// Otherwise equal results would mean nothing: an eighth of all rays hit each surface, and as many rays are occluded as
+// hit one.
 void expectThatRaysMeetEverySurface(const Answers& answers, size_t rays)
 {
   unsigned sum = 0;

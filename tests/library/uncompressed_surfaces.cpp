@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces that are not compressed are left to GRID, with the results of stock Embree. */
+/* Surfaces that are not compressed are left to GRID, with the results of a device that does not compress. */
 
 #include "support/grid_agreement.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Defects of Embree 3.13.5 that our patches fix: invalid input is rejected, left out or clamped, where Embree reads or
- * writes out of bounds. Nothing is compressed here. */
+ * writes out of bounds; packets and devices do not hang. */
 
 #include "support/diced_mesh.h"
 #include "support/query_forms.h"

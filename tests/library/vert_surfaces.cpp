@@ -21,7 +21,7 @@ constexpr double ulp = 0x1p-23;
 // Along the face's own normal, which differs from the neighbors' at extraordinary vertices.
 struct AlongNormals : public VertexRecorder
 {
-  float amplitude = 0.1f, jump = 0; // jump: largest difference between the heights of faces
+  float amplitude = 0.1f, jump = 0; // jump: added to the height primID % 3 times
   std::vector<Vec> recorded;
 
   static void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args)
@@ -108,7 +108,7 @@ TEST(VertSurfaces, SidesWithDifferentRatesShareEdge)
   }
 }
 
-// Three walls at one edge: each wall's border is shared, so all edges belong to two or more triangles.
+// Three walls share the vertices of one edge.
 TEST(VertSurfaces, FacesOnNonManifoldEdgeShareIt)
 {
   Device device;
@@ -291,7 +291,8 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
   EXPECT_GT(between, 100u);
 }
 
-// With the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has no area.
+// Dot product, not normalized, with the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has no
+// area.
 double normalCosine(const VertTriangle& t, const EveryVertex& grid)
 {
   double normals[2][3];
@@ -384,7 +385,7 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
 
 // --- rays ----------------------------------------------------------------------------
 
-// The hit must be on the decoded triangle, or on its neighbor within rounding of their edge.
+// The hit must be on the nearest decoded triangle. Rays within rounding of an edge are skipped.
 void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   const std::vector<VertTriangle> triangles = vertTriangles(scene);

@@ -350,7 +350,7 @@ class VertexBounds : public testing::TestWithParam<Kind> {};
 
 // --- the cases --------------------------------------------------------------------------------------
 
-// Spacings from a quad's edge down to 1/4096 of it.
+// Spacings from a quad's edge down to 1/2187 of it.
 TEST_P(VertexBounds, HoldForAllSpacings)
 {
   for (unsigned numSteps : {1u, 3u}) {
@@ -426,7 +426,8 @@ Exempt nearTo(unsigned x0, unsigned y0)
   return [=](unsigned x, unsigned y) { return areNear(x, x0) && areNear(y, y0); };
 }
 
-// quadsOfPatch: 16 or all, so that the outlier is inside a block, between blocks, and on a patch's border and corner.
+// The outlier is inside a block, between blocks, and on a patch's border and corner. quadsOfPatch: 16 or all; not used
+// for meshes.
 void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, unsigned numSteps)
 {
   const Sheet sheet = bumpySheet(side, numSteps);

@@ -77,7 +77,7 @@ FUNCTIONS = (
     Entry("VertEncoder::packRaw", 2, BLOCK),
     Entry("VertEncoder::packCells", 4, BLOCK, {"onCell ( - [1 => 2]": "callers only test the sign"}),
     Entry("VertEncoder::extendByGroup", 2, BLOCK),
-    # what of it moves
+    # its motion
     Entry("rotatedResidual", 2, MOTION),
     Entry("rotationEntry", 2, MOTION + ("vert_format",)),
     Entry("vertStepLayout", 3, MOTION),

@@ -12,14 +12,12 @@
 
 The list (functions.py) names functions and tests; scanner.py finds the mutants of a function. The checkout does not
 change: the tree is copied to BUILD/source and configured there as `dev`. In the copy, each function contains the
-bodies
-of all its mutants, and an environment variable selects one of them, so that all are built at once. Without a mutant
-all
-tests must pass.
+bodies of all its mutants, and an environment variable selects one of them, so that all are built at once. Without a
+mutant all tests must pass.
 
 A mutant is caught if one of its tests fails, and lives otherwise; the list explains mutants that no test can detect.
 Mutants that do not compile count as neither. The exit status is 0 if all mutants were run and those that live are
-explained, 1 if one survived, and 3 if time ran out.
+explained, 1 if one survived or --check finds a fault, 2 after an error, and 3 if time ran out.
 """
 
 import argparse
@@ -42,7 +40,7 @@ sys.path.insert(0, str(HERE))
 import scanner  # noqa: E402
 from functions import FUNCTIONS  # noqa: E402
 
-# a test of a mutant that runs this much longer than without the mutant hangs
+# a test hangs if it runs this many times as long as without a mutant, and at least SHORTEST_LIMIT seconds
 PATIENCE = 5
 SHORTEST_LIMIT = 20
 SOUND_LIMIT = 600
@@ -138,7 +136,7 @@ def program_of(directory, unit):
 
 
 def is_left_out(directory, unit):
-    """True if the unit is for one instruction set, and the build tests only those of its library."""
+    """True if the unit is for an instruction set that the build does not test."""
     cache = (Path(directory) / "CMakeCache.txt").read_text(encoding="utf-8")
     base = re.sub("_(sse2|sse42|avx|avx2|avx512)$", "", unit)
     return (

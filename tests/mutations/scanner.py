@@ -4,8 +4,7 @@
 """Finds functions of C++ headers by name, and their mutants.
 
 A scanner of tokens and braces, not a parser: it handles comments, strings, preprocessor lines, templates and the
-scopes
-of classes and namespaces, as far as the kernels use them.
+scopes of classes and namespaces, as far as the kernels use them.
 """
 
 import re
@@ -82,7 +81,7 @@ def functions_of(text):
 
 
 def scan(tokens, i, end, scopes, out):
-    """Returns the declarations from i to end: each ends with a semicolon or with braces."""
+    """Appends the functions from i to end to `out`. A declaration ends with a semicolon or with braces."""
     while i < end:
         name, start = None, i
         while i < end and tokens[i].text not in (";", "{", "}"):
@@ -163,7 +162,7 @@ class Mutant:
     begin: int  # position of the replaced text in the file
     end: int
     new: str
-    context: str  # tokens of the statement around it, with the change in brackets
+    context: str  # tokens before and after it, with the change in brackets
 
     @property
     def name(self):

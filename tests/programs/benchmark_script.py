@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Tests the command line of scripts/benchmark.py, mostly with a replacement for cbvh_bench that answers immediately
-and
-records its calls.
+and records its calls.
 
     benchmark_script.py PATH/TO/cbvh_bench
 """

@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 WHEEL = f"embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_{platform.machine()}.whl"
 
-# Starts only if $1/library exists, like a program that needs a library. `name` is noted in $1/calls.
+# Starts only if {folder}/library exists, like a program that needs a library. Appends {name} to {folder}/calls.
 RENDER = """#!/bin/sh
 [ -e "{folder}/library" ] || {{ echo "libtbb.so.12: cannot open shared object file" >&2; exit 127; }}
 [ "$1" != --version ] || exit 0
@@ -102,7 +102,7 @@ class Demo(unittest.TestCase):
                          **options)
 
     def run_demo(self, *words):
-        """Returns the output of the demo, and the names of the programs that it started, without repetitions."""
+        """Returns the output of the demo. Sets `calls`: the programs that it started, in order, without options."""
         environment = dict(os.environ, PATH=f"{self.bin}:{os.environ['PATH']}")
         result = subprocess.run([self.tree / "scripts/demo.sh", *words], env=environment, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True, timeout=100)

@@ -133,7 +133,7 @@ TEST_P(PathTracerPictures, MatchOnBothDevices)
   EXPECT_GT(means[0], 0.05); // the picture is not black
 }
 
-/* Pictures of a cube that rotates while the shutter is open. */
+/* A picture of a cube that rotates while the shutter is open. */
 std::vector<Vec3f> pictureOfMotion(const char* representation, const Shutter& shutter)
 {
   SceneSettings settings;

@@ -45,7 +45,7 @@ done
 "$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr ||
   complain "parts of a loaded file differ from the whole picture"
 
-# The README's command for joining parts.
+# The command of docs/scale.md for joining parts.
 if command -v oiiotool >/dev/null; then
   oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
     oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" ||

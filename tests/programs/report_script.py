@@ -61,7 +61,7 @@ GPU = "Device One, driver 1"
 
 def gpu_record(record, mrays, device=GPU, bytes_per_quad=30000):
     """Returns a record as if a device had measured it. mrays: speed of each representation; bytes_per_quad: memory of
-    cVOXEL, one third of it on the device. Without a device, the record is one of the CPU."""
+    cVOXEL, times TIMES for other kinds, a third of it on the device. Without a device, the record is one of the CPU."""
     record = json.loads(json.dumps(record))
     if device:
         record["run"]["settings"]["device"] = "vulkan"

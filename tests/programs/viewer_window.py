@@ -2,8 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 """Tests cbvh_viewer in a real window: it starts, keys and mouse have their effects, dropped files are opened,
-obsolete work
-stops, and the window shows and saves exactly the picture that --no-window writes.
+obsolete work stops, and the window shows and saves exactly the picture that --no-window writes.
 
     viewer_window.py PATH/TO/cbvh_viewer PATH/TO/cbvh_render
 """

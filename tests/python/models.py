@@ -142,7 +142,7 @@ class Meshes(unittest.TestCase):
         self.assertEqual(vertices.shape, (6 * 17 * 17, 3))
         bounds = cbvh.build(model, "grid", 4).bounds
         np.testing.assert_allclose([vertices.min(0), vertices.max(0)], bounds, atol=1e-6)
-        # Counterclockwise seen from the front: outward at every corner of nearly every quad of a bumpy cube.
+        # Counterclockwise seen from the front: outward at the first corner of nearly every quad of a bumpy cube.
         a, b, d = (vertices[quads[:, i]] for i in (0, 1, 3))
         outward = np.einsum("ij,ij->i", np.cross(b - a, d - a), a) > 0
         self.assertGreater(outward.mean(), 0.9)
