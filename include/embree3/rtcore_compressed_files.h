@@ -72,8 +72,8 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
  * If the writer is released or the process ends before rtcCommitCompressedFileWriter, the appended geometries are kept
  * next to the file, under its path with ".part" appended. The next writer with the same path and key continues after
  * them: rtcGetCompressedFileWriterGeometryCount returns their number, and the application appends the remaining
- * geometries. A released writer loses no geometry. A killed process and a full disk lose the last geometry, or the last
- * 64 MiB of smaller ones.
+ * geometries. A released writer loses no geometry. A killed process and a full disk lose the last geometry and up to
+ * 64 MiB of geometries before it.
  *
  * device, path: as for rtcNewCompressedFileWriter.
  * key: number that identifies the input of the geometries, so that files of different input are not mixed.

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Settings of the environment variable EMBREE_CBVH, in the same syntax as for libembree3 of this project:
- * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. Settings of the paper's
- * representations and release_input have no effect. */
+ * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. If the variable is
+ * unset, the defaults below apply. Settings of the paper's representations and release_input have no effect. */
 
 #include <embree4/rtcore.h>
 
@@ -17,7 +17,7 @@ struct Options
   bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
   float maxError = -1;         // world units; 0: lossless; negative: the library's default
 
-  /* True if geometry of this type is compressed. Subdivision geometry always is. */
+  /* True if geometry of this type is compressed when isOn. Subdivision geometry always is. */
   bool compresses(RTCGeometryType type) const;
 };
 

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Public structs of include/embree3 that may grow (core/struct_size.h), and conversions of internal structs to them. */
+/* Structs of include/embree3 that may grow (core/struct_size.h), except rtcore_vulkan.h, and conversions of internal
+ * structs to public ones. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Parallel loops over the primitives of a geometry, for builds. */
+/* Parallel loops of builds. */
 
 #include "../embree/scene.h"
 

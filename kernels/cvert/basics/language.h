@@ -129,7 +129,7 @@ CVERT_INLINE Scalar unfused (Scalar p)
   asm("" : "+x"(p));
 #elif defined(__GNUC__) && defined(__aarch64__)
   asm("" : "+w"(p));
-#endif
+#endif // elsewhere: -ffp-contract=off, cvert/CMakeLists.txt
   return p;
 }
 CVERT_INLINE float product (float a, float b) { return unfused(a*b); }

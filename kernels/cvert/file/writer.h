@@ -19,8 +19,8 @@ namespace cvert
   class FileSurface
   {
   public:
-    /*! The caller sets form, source, compression, numPrimitives, numTimeSteps, begin, end, lower, upper and,
-     *  optionally, statistics; the writer sets the rest. */
+    /*! The caller sets form, source, compression, numPrimitives, numTimeSteps, begin, end and, optionally, measures and
+     *  counts, also lower and upper unless it calls appendToList(); the writer sets the rest. */
     FileGeometry record = FileGeometry();
 
     std::vector<char> tree;  //!< array of FileNode (FILE_TREE) or FileEntry (FILE_LIST and FILE_MOVING)
@@ -37,9 +37,9 @@ namespace cvert
      *  Returns the child for a FileNode or FileEntry. Blocks must have the order of the tree. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surfaceOffset);
 
-    /*! Calls append() for a cVERT block, adds it to the list, and extends the record's bounds by its vertices. Throws
-     *  Error if record.form is not FILE_LIST or FILE_MOVING, or if the block is damaged, contradicts the record, or has
-     *  no finite vertex. */
+    /*! Calls append() for a cVERT block, adds it to the list, and extends the record's bounds by its vertices; the
+     *  first block replaces them. Throws Error if record.form is not FILE_LIST or FILE_MOVING, or if the block is
+     *  damaged, contradicts the record, or has no finite vertex. */
     void appendToList (const void* block, uint32_t bytes);
 
   private:
@@ -57,10 +57,11 @@ namespace cvert
     explicit FileWriter (const std::string& path);
 
     /*! Starts a file, or continues one that a writer with the same key did not commit. key: identifies the source of
-     *  the geometries. Throws if the file has another key, or another process writes it. */
+     *  the geometries. Throws if the file has another key or is damaged, or another writer has it open. */
     FileWriter (const std::string& path, uint64_t key);
 
-    /*! Deletes an uncommitted file, unless the writer has a key and the file a geometry. */
+    /*! With a key, tries to write a checkpoint of all geometries, and keeps a file that has a checkpoint. Deletes other
+     *  uncommitted files. */
     ~FileWriter ();
 
     FileWriter (const FileWriter&) = delete;
@@ -80,8 +81,8 @@ namespace cvert
     size_t size () const { return directory.size(); }
 
   private:
-    /*! With a key, add() writes a checkpoint, the directory, after this many bytes. A killed process loses about as
-     *  many. */
+    /*! With a key, add() begins with a checkpoint, the directory, if this many bytes follow the last one. A killed
+     *  process loses the geometries after it. */
     static const uint64_t checkpointInterval = uint64_t(64) << 20;
 
     /*! suffix: of the unfinished file if another writer may continue it, else empty. */
@@ -110,7 +111,7 @@ namespace cvert
     bool failed = false;
     uint64_t key = 0;
     uint64_t writtenBytes = 0;            //!< bytes in the file
-    uint64_t checkpointedBytes = 0;       //!< bytes at the last writeDirectory(): readers see no others
+    uint64_t checkpointedBytes = 0;       //!< bytes at the last writeDirectory(), 0 if none: resume() keeps them
     uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;           //!< surface numbers, without their two highest bits
