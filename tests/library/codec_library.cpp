@@ -34,7 +34,7 @@ typedef std::array<float, 3> Vertex;
 std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry, float time)
 {
   std::vector<std::vector<Vertex>> parts;
-  rtcForEachCompressedPart(geometry, time, [void* user, const RTCCompressedPart* part) {
+  rtcForEachCompressedPart(geometry, time, [](void* user, const RTCCompressedPart* part) {
     std::vector<Vertex> vertices;
     for (size_t i = 0; i < size_t(part->width)*part->height; i++)
       vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
