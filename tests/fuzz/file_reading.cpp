@@ -7,6 +7,7 @@
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/file/file.h"
 #include "kernels/cvert/file/tree_reader.h"
 #include "kernels/cvert/file/writer.h"
