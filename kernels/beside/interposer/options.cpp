@@ -4,6 +4,7 @@
 #include "options.h"
 
 #include "device_string.h"
+#include "lower_case.h"
 
 #include <cctype>
 #include <cmath>
@@ -51,20 +52,11 @@ static bool parseSwitch(const std::string& text, bool& value)
 static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
-/* Names of representations are not case-sensitive. Converts A to Z only, unlike std::tolower, which depends on the
- * locale: a Turkish one does not convert I to i. */
-static std::string lowerCase(std::string text)
-{
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
-  return text;
-}
-
 /* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
 static bool isFramedSetting(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
-  const std::string name = lowerCase(item);
+  const std::string name = embree::lowerCase(item);
   for (const char* prefix : {"cbvh.", "c", ""}) {
     const size_t length = std::strlen(prefix);
     if (name.compare(0, length, prefix) == 0 && names.count(name.substr(length)) != 0) return true;
@@ -81,7 +73,7 @@ static bool parse(const std::string& item, Options& options)
     // without effect here: libembree_cbvh reads "verbose" itself, and always releases input
     if (item == "verbose" || item == "release_input") return true;
     if (item == "0" || item == "none") { options.isOn = false; return true; }
-    const std::string name = lowerCase(item);
+    const std::string name = embree::lowerCase(item);
     return name == "1" || name == "vert" || name == "cvert" || name == "cbvh.vert";
   }
   const std::string key = item.substr(0, equals), value = item.substr(equals + 1);

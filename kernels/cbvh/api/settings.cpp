@@ -5,6 +5,7 @@
 
 #include "../embree/scene.h"
 #include "../core/device_string.h"
+#include "../core/lower_case.h"
 #include "factory.h"
 #include "../state/settings.h"
 #include "../base/environment.h"
@@ -26,14 +27,6 @@ namespace embree
     std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
     storeSettingError(message);
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
-  }
-
-  /*! Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
-  static std::string lowerCase (std::string text)
-  {
-    for (char& c : text)
-      if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
-    return text;
   }
 
   /*! For example "cvert", "vert" or "cbvh.vert"; case-insensitive. */

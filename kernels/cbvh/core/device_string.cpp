@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "device_string.h"
+#include "lower_case.h"
 
 #include <algorithm>
 #include <cstring>
@@ -113,8 +114,7 @@ namespace embree
       if (key.value == Value::Number) return isNumber(value) ? "" : prefix + "expected a number";
       const std::vector<std::string> accepted = acceptedValues(key.value);
       if (accepted.empty()) return "";
-      for (char& c : value)
-        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // Embree ignores case, too
+      if (key.value == Value::Isa) value = lowerCase(value); // Embree ignores case, too
       for (size_t at = 0; at <= value.size(); ) {
         const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
         const std::string item = value.substr(at,end-at);

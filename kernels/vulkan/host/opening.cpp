@@ -3,6 +3,8 @@
 
 #include "opening.h"
 
+#include "kernels/cbvh/core/lower_case.h"
+
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -32,15 +34,6 @@ const char* nameOf(VkResult result)
   case VK_ERROR_FRAGMENTATION: return "VK_ERROR_FRAGMENTATION";
   default: return nullptr;
   }
-}
-
-/* Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
-std::string lowerCase(std::string text)
-{
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z')
-      c = char(c + ('a' - 'A'));
-  return text;
 }
 
 template<size_t N>
