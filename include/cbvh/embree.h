@@ -78,19 +78,14 @@ static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, uns
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
-/* Returns the number of the first primitive of the surface that hit i is on. */
-static inline unsigned int cbvhInternalFirstPrimitive(void* hits, unsigned int N, unsigned int i, CbvhGroup group)
-{
-  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
-  return surface == 0 ? 0 : cbvhGetGroupFirstPrimitive(group, surface);
-}
-
 /* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
 static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group,
                                            unsigned int geomID, const CbvhInternalContext* context)
 {
+  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
   unsigned int level;
-  *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhInternalFirstPrimitive(hits, N, i, group);
+  if (surface != 0)
+    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
   *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i) = geomID;
   for (level = 0; level < RTC_MAX_INSTANCE_LEVEL_COUNT; level++) {
     *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + level, i) = context->instID[level];
@@ -130,8 +125,9 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
       *cbvhInternalWordOf(&ray, 1, word, 0) = *cbvhInternalWordOf(args->rays, args->count, word, i);
     for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
       *cbvhInternalWordOf(&hit, 1, word, 0) = *cbvhInternalWordOf(args->hits, args->count, word, i);
-    firstPrimitive = cbvhInternalFirstPrimitive(&hit, 1, 0, call->group);
+    firstPrimitive = 0u - hit.primID;
     cbvhInternalWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
+    firstPrimitive += hit.primID; /* what it has added */
     filter.valid = &valid;
     filter.geometryUserPtr = call->group;
     filter.context = call->context;
@@ -158,7 +154,7 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
     if (!valid) { args->valid[i] = 0; continue; }
     *cbvhInternalWordOf(args->rays, args->count, CBVH_INTERNAL_RAY_TFAR, i) =
       *cbvhInternalWordOf(&ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
-    hit.primID -= firstPrimitive; /* cbvhInternalWriteHitIDs adds it again */
+    hit.primID -= firstPrimitive; /* the caller adds it again */
     for (word = 0; word <= CBVH_INTERNAL_HIT_PRIM_ID; word++)
       *cbvhInternalWordOf(args->hits, args->count, word, i) = *cbvhInternalWordOf(&hit, 1, word, 0);
   }

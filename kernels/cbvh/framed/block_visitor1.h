@@ -70,7 +70,7 @@ namespace embree
             }
             if (!report(ray,context,block->surface,block->primID,hit)) return false;
             state.nearest.set(comparedT,hitT,block,ray.tfar);
-            if (!IsAnyHit<RayType>::value && !(ray.tfar < hitT)) ray.tfar = comparedT;
+            if (!IsAnyHit<RayType>::value) ray.tfar = state.nearest.comparedT;
             isHit = true;
           }
           sBest = at.s;
