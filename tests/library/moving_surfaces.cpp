@@ -262,6 +262,35 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
   rtcReleaseGeometry(geometry);
 }
 
+// With and without other geometry that Embree traces.
+TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
+{
+  for (bool hasTriangles : {false, true}) {
+    SCOPED_TRACE(hasTriangles);
+    Device device;
+    Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+    SurfaceSettings settings = smooth(2, 0, 1);
+    addSurface(device, scene, cubeCage(), settings);
+    if (hasTriangles) {
+      RTCGeometry triangle = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+      setBuffer(triangle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{{7, 0, 0}, {8, 0, 0}, {7, 1, 0}});
+      setBuffer(triangle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
+      rtcCommitGeometry(triangle);
+      attach(scene, triangle);
+    }
+    rtcCommitScene(scene);
+    Cage second = cubeCage();
+    for (Vec& p : second.positions) p[0] += 4;
+    settings.compression = RTC_COMPRESSION_NONE;
+    const unsigned added = addSurface(device, scene, second, settings);
+    rtcCommitScene(scene);
+    EXPECT_EQ(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 0u);
+    EXPECT_EQ(intersect(scene, makeRay({4, 0, 5}, {0, 0, -1})).hit.geomID, added);
+    EXPECT_EQ(isHit(intersect(scene, makeRay({7.2f, 0.2f, 5}, {0, 0, -1}))), hasTriangles);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
 // Some ranges begin or end close to a step of another surface, where trees split time.
 TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
 {

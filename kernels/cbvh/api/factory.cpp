@@ -97,14 +97,13 @@ namespace embree
     for (bool moves : { false,true })
     {
       if (scene->getNumPrimitives(SubdivMesh::geom_type,moves) == 0) continue;
-      bool hasCompressedAccel = false, hasEmbreeAccel = false;
+      const CompressedAccel* compressed = nullptr;
       for (Accel* accel : scene->accels) {
-        const CompressedAccel* const compressed = dynamic_cast<CompressedAccel*>(accel);
-        if (compressed) hasCompressedAccel |= compressed->moves == moves;
-        else hasEmbreeAccel |= dynamic_cast<AccelInstance*>(accel) != nullptr;
+        const CompressedAccel* const candidate = dynamic_cast<CompressedAccel*>(accel);
+        if (candidate && candidate->moves == moves) compressed = candidate;
       }
-      if (hasCompressedAccel != cbvh::hasCompressedGeometry(scene,moves)) return true;
-      if (moves && hasCompressedAccel && hasUncompressedMotion(scene) && !hasEmbreeAccel) return true;
+      if ((compressed != nullptr) != cbvh::hasCompressedGeometry(scene,moves)) return true;
+      if (moves && compressed && !compressed->isNextToGrid && hasUncompressedMotion(scene)) return true;
     }
     return false;
   }
@@ -121,8 +120,10 @@ namespace embree
       if (settings.compression == RTC_COMPRESSION_NONE) continue;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
-      if (moves && settings.compression != RTC_COMPRESSION_CVERT)
-        std::cerr << " requested, but it has motion blur: " << compressionName(RTC_COMPRESSION_CVERT);
+      const bool isCage = geometry->ownType == Geometry::GTY_SUBDIV_MESH;
+      if ((moves || !isCage) && settings.compression != RTC_COMPRESSION_CVERT)
+        std::cerr << " requested, but it " << (moves ? "has motion blur" : "is a grid or mesh") << ": "
+                  << compressionName(RTC_COMPRESSION_CVERT);
       else if (settings.compression != RTC_COMPRESSION_CVERT) { // cVERT has no frames
         if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cerr << ", frame level auto";
         else std::cerr << ", frame level " << settings.frameLevel;
@@ -155,7 +156,8 @@ namespace embree
     std::unique_ptr<Builder> builder(moves ? symbols.BVH4CompressedMotionBuilder(bvh.get(),scene,report.get())
                                            : symbols.BVH4CompressedSubdivBuilder(bvh.get(),scene,report.get()));
     Accel::Intersectors intersectors = symbols.intersectors(bvh.get(),moves);
-    CompressedAccel* const accel = new CompressedAccel(bvh.get(),builder.get(),intersectors,report.get(),moves);
+    CompressedAccel* const accel = new CompressedAccel(bvh.get(),builder.get(),intersectors,report.get(),moves,
+                                                       moves && hasUncompressedMotion(scene));
     bvh.release();
     report.release();
     builder.release();

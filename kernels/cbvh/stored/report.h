@@ -32,10 +32,11 @@ namespace embree
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,
-        bool moves)
-      : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
+        bool moves, bool isNextToGrid)
+      : AccelInstance(accel,builder,intersectors), report(report), moves(moves), isNextToGrid(isNextToGrid) {}
 
     std::unique_ptr<CompressionReport> report; //!< report of the last build
     const bool moves;
+    const bool isNextToGrid; //!< the scene also got Embree's own structure for moving subdivision surfaces
   };
 }
