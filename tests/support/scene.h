@@ -155,6 +155,10 @@ inline Cage sheetCage(unsigned n)
   return cage;
 }
 
+// Embree regards coordinates of at least 1.844e18 as not finite.
+const float notFinite[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f,
+                           -2e18f};
+
 // P += scale * amplitude * field(frequency*(P - offset)/scale). It does not depend on the normal, so faces displace
 // shared vertices the same way.
 struct Displacement
@@ -163,7 +167,7 @@ struct Displacement
   float scale = 1;
   Vec offset = {0, 0, 0};
   float lattice = 0; // if not 0, positions are multiples of it
-  std::function<bool(unsigned primID, float u, float v)> poison = {}; // vertices that become NaN or infinite
+  std::function<bool(unsigned primID, float u, float v)> poison = {}; // vertices that become one of notFinite
 
   static void apply(const RTCDisplacementFunctionNArguments* args)
   {
@@ -178,7 +182,7 @@ struct Displacement
       if (d.lattice > 0)
         for (int k = 0; k < 3; k++) *P[k] = std::nearbyint(*P[k]/d.lattice)*d.lattice;
       if (d.poison && d.poison(args->primID, args->u[i], args->v[i]))
-        *P[i % 3] = i % 2 ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
+        *P[i % 3] = notFinite[unsigned(97*args->u[i] + 31*args->v[i]) % 4];
     }
   }
 };

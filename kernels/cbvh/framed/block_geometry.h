@@ -74,8 +74,10 @@ namespace embree
           for (int c=0; c<4; c++) memcpy(aligned[c],finite[size_t(c)*(numFinite-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,finite,numFinite,fitScratch,frame)) return false;
         const FrameLanes lanes(frame.columns);
-        for (uint32_t i=0; i<numVertices; i++)
+        for (uint32_t i=0; i<numVertices; i++) {
           frame.transform(lanes,vertices[i]).store(local[i]);
+          if (!allFinite && !isFinite(i)) local[i][0] = NAN; // also a float that counts as not finite
+        }
         if (cellLevels > height) splitQuad();
         return true;
       }
@@ -138,6 +140,7 @@ namespace embree
         return bytes;
       }
 
+      /*! False for vertices that are not finite, and for points that splitQuad() computed from them. */
       bool isLocalFinite(uint32_t i) const {
         return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]);
       }
