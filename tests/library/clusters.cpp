@@ -6,6 +6,7 @@
 #include "support/cluster_judge.h"
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
+#include "support/irregular_mesh.h"
 #include "support/memory.h"
 #include "support/moving_surface.h"
 
@@ -180,6 +181,13 @@ TEST(Clusters, ReasonForFloatsIsReported)
     for (float step : {0.0f, 0.5f, 1.0f})
       EXPECT_EQ(reasonOf(moving, step, format), int(RTC_COMPRESSED_CLUSTER_REASON_NONE));
   }
+  Device lossless("cbvh_max_error=0");
+  Random random(91);
+  const DicedMesh triangles = irregularTriangles(meshOf(dicedSheet(2, 16), QuadOrder::Rows, random), random);
+  const Stored mesh(newMesh(lossless, triangles, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
+  const ClusterJudge exact(mesh, 0, COMPRESSED1);
+  EXPECT_GT(exact.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_FLOATS], 0u);
+  EXPECT_EQ(exact.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_OUT_OF_RANGE], 0u);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 

@@ -16,6 +16,13 @@ namespace embree
   {
     namespace
     {
+      bool hasRanksOnAnyAxis (const MeshHeader* block)
+      {
+        for (uint32_t axis=0; axis<3; axis++)
+          if (hasRanks(block->spacings,axis)) return true;
+        return false;
+      }
+
       class ClusterBuilder
       {
       public:
@@ -28,7 +35,8 @@ namespace embree
         {
           this->part = &part;
           reasonForFloats = block.isMesh()
-              ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::OUT_OF_RANGE
+              ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING
+                : hasRanksOnAnyAxis(block.mesh()) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE
               : !block.isVert() ? ClusterReason::FLOATS
               : isMoving(block.vert()->info) ? ClusterReason::MOVING
               : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::FLOATS
