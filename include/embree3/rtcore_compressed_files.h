@@ -112,8 +112,8 @@ RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeom
  * Returns true if the file is complete. Otherwise an existing file at its path is unchanged.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION for a writer without geometries, for a
- * writer that is committed or whose earlier write failed, and if writing fails. Thread safety: only one thread may use
- * a writer at a time. */
+ * writer that is committed or whose earlier write failed, and if writing fails. Geometries can be appended to a writer
+ * without geometries afterwards. Thread safety: only one thread may use a writer at a time. */
 RTC_API bool rtcCommitCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Releases a writer. Geometries that were not committed are removed, or kept by a writer of

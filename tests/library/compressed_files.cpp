@@ -164,6 +164,8 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
   }
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
   ASSERT_NE(writer, nullptr) << device.message;
+  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer)) << "a file without geometries";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   for (const Saveable& saveable : all) {
     RTCGeometry geometry = saveable.make(device);
     ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << saveable.name << ": " << device.message;

@@ -258,7 +258,7 @@ namespace cvert
   void FileWriter::commit ()
   {
     requireOpen();
-    if (directory.empty()) fail("no geometry was added");
+    if (directory.empty()) throw Error(ErrorCode::INVALID_OPERATION,path + ": no geometry was added");
     if (writtenBytes != checkpointedBytes) writeDirectory();
     try { file->commit(); }
     catch (const std::system_error& error) {
