@@ -347,6 +347,7 @@ refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"
 refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100
+refuses "true-surface .*--motion" --scene cube --motion turn --true-surface 100
 refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
 expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
   --output "$folder/cleaf.out"

@@ -73,7 +73,7 @@ public:
       primary(firstSamples(options, camera)), build(view.build), plan(planOf(options, model, build)),
       files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
-    if (options.trueHits && model.poses.empty()) // the true surface is static
+    if (options.trueHits)
       surfaces.emplace(model);
   }
 

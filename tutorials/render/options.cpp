@@ -85,7 +85,7 @@ void declareMeasurement(CLI::App& app, Options& o, OptionTexts& texts)
     ->type_name("N")->check(CLI::Range(0, 4096));
   app.add_option("--true-surface", texts.trueHits,
                  "number of random hits that are compared with the displaced limit surface, 0 to skip [20000 if "
-                 "several representations are compared]")
+                 "several representations of a static surface are compared]")
     ->type_name("N");
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
     ->type_name("N")->capture_default_str();
@@ -146,14 +146,16 @@ void read(const CLI::App& app, const OptionTexts& texts, Options& o)
   o.size = parseImageSize(texts.size);
   o.crop = parseCrop(texts.crop, o.size);
   o.shutter = parseShutter(texts.shutter);
-  const bool isMesh = !o.scene.meshPath.empty();
+  const bool isMesh = !o.scene.meshPath.empty(), moves = !o.scene.motion.empty() || !o.scene.cageEnds.empty();
   const std::string compared = isMesh ? meshRepresentations() : defaultRepresentations();
   o.representations =
     parseRepresentationOptions(texts.compare ? compared : texts.representations, texts.levels.frameLevel);
   chooseLevel(app, texts, o);
-  o.trueHits = texts.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
+  o.trueHits = texts.trueHits.value_or(o.compares() && !isMesh && !moves ? 20000 : 0);
   if (isMesh && o.trueHits)
     throw Error("--true-surface needs a cage or a scene: a mesh is its own surface");
+  if (moves && o.trueHits)
+    throw Error("--true-surface supports only static models: expected no --motion or --cage-end");
   const auto isVert = [](const Representation& r) { return r.kind == RepresentationKind::CVert; };
   if (!o.exportPath.empty() && std::none_of(o.representations.begin(), o.representations.end(), isVert))
     throw Error("--export writes the surface of cvert, which is not listed: expected cvert in --representation");
