@@ -173,8 +173,9 @@ void intersect(const RTCIntersectFunctionNArguments* args)
   if (!(walk.t < infinite)) return;
   ray.ray.tfar = float(walk.t);
   ray.hit.Ng_x = float(walk.Ng[0]); ray.hit.Ng_y = float(walk.Ng[1]); ray.hit.Ng_z = float(walk.Ng[2]);
-  ray.hit.u = block.faceU(float(mortonX(walk.leaf)) + float(walk.u));
-  ray.hit.v = block.faceV(float(mortonY(walk.leaf)) + float(walk.v));
+  const double leafSize = double(1u << block.height())/block.layout().leavesPerSide; // in quads
+  ray.hit.u = block.faceU(float(leafSize*(mortonX(walk.leaf) + walk.u)));
+  ray.hit.v = block.faceV(float(leafSize*(mortonY(walk.leaf) + walk.v)));
   ray.hit.primID = block.primID;
   ray.hit.geomID = args->geomID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;

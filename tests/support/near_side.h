@@ -17,8 +17,7 @@ namespace cbvh::test {
 class NearSideScene
 {
 public:
-  /* compressed: a scene of cLEAF surfaces only, with blocks of at least 2 x 2 quads. It must outlive this object and be
-   * committed exactly once. */
+  /* compressed: a scene of cLEAF surfaces only. It must outlive this object and be committed exactly once. */
   explicit NearSideScene(RTCScene compressed);
   ~NearSideScene();
   NearSideScene(const NearSideScene&) = delete;
