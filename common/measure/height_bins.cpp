@@ -54,8 +54,7 @@ struct Tessellation
   }
 };
 
-/* Size of a bin along the ray, in pixels. NaN without a surface or a normal of the quad; 0 without a normal of
- * the block. */
+/* Size of a bin along the ray, in pixels. NaN without a surface, a normal of the quad or a normal of the block. */
 float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const BlockGrid& blocks)
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());
@@ -72,6 +71,8 @@ float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const unsigned i = std::min(unsigned(at.u * resolution), resolution - 1);
   const unsigned j = std::min(unsigned(at.v * resolution), resolution - 1);
   const Vec3d z = normalOf(patch.corners(i / block * block, j / block * block, block, false));
+  if (!(dot(z, z) > 0.0))
+    return NAN;
   const Corners quad = patch.corners(i, j, 1, true);
   const Vec3d n = normalOf(quad), d = copy.directionToCage(toDouble(ray.direction));
   double lowest = INFINITY, highest = -INFINITY;

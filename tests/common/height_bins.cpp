@@ -106,5 +106,14 @@ TEST(HeightBins, OnFlatSurfaceAreZero)
   EXPECT_EQ(b.inlierRmse, 0.0);
 }
 
+/* The diagonals of the only block are parallel, but those of its quads are not. */
+TEST(HeightBins, BlocksWithoutNormalHaveNone)
+{
+  Model model = plane(12);
+  model.cage.positions = {{0, 0, 0}, {width, 0, 0}, {width, width, 0}, {2 * width, width, 0}};
+  EXPECT_EQ(bins(model, {0, 0, -1}, 0).hits, 0u);
+  EXPECT_EQ(bins(model, {0, 0, -1}, 4).hits, 1u);
+}
+
 } // namespace
 } // namespace cbvh::test

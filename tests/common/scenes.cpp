@@ -243,10 +243,11 @@ TEST(Herd, CopiesAreAtTheirPositionsInEveryRepresentation)
   BuildSettings settings;
   settings.level = 3;
   EXPECT_EQ(model.layout(3).numQuads(), 3u * 6 * 64);
-  for (const RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact,
-                                        RepresentationKind::Grid, RepresentationKind::CLeaf})
+  for (const RepresentationKind kind : representationKinds())
   {
-    const BuiltScene scene(model, {kind, 1}, settings);
+    const Representation representation{kind, 1};
+    SCOPED_TRACE(representation.label());
+    const BuiltScene scene(model, representation, settings);
     EXPECT_EQ(scene.report().quads, 3u * 6 * 64);
     std::vector<Ray> rays;
     for (const Placement& copy : model.copies) // down onto the center of the face at +y
