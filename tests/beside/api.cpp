@@ -489,18 +489,26 @@ TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion)
 {
   Random random(93);
   Context context;
+  Device device;
   const Surface surface(context);
-  std::vector<Vec> vertices;
-  std::vector<std::array<unsigned, 3>> triangles;
+  DicedMesh mesh;
+  mesh.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
   for (unsigned i = 0; i < 3000; i++) {
-    vertices.push_back({float(random.uniform()), float(random.uniform()), float(random.uniform())});
-    if (i >= 3) triangles.push_back({random.below(i), random.below(i), random.below(i)});
+    mesh.vertices.push_back({float(random.uniform()), float(random.uniform()), float(random.uniform())});
+    if (i >= 3) mesh.triangles.push_back({random.below(i), random.below(i), random.below(i)});
   }
   for (unsigned n : {1u, 2u}) {
-    const Steps steps(vertices, nullptr, n);
-    const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
+    const Steps steps(mesh.vertices, mesh.motion, n);
+    const CbvhMesh input = {sizeof(CbvhMesh), 3, mesh.size(), mesh.triangles[0].data(), steps.get()};
     ASSERT_EQ(cbvhSetSurfaceMesh(surface, &input), CBVH_OK);
     ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, n));
+    rtcCommitScene(scene);
+    EXPECT_GT(statisticsOf(scene).numIrregularQuads, 0u);
+    const Group group(context, {surface});
+    EXPECT_EQ(group.committed, CBVH_OK);
+    ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 500)));
   }
 }
 

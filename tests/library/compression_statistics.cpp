@@ -21,12 +21,12 @@ RTCCompressionStatistics statisticsOf(RTCDevice device,
   return cbvh::test::statisticsOf(scene);
 }
 
+// All members, which include new ones.
 bool isAllZero(const RTCCompressionStatistics& s)
 {
-  return s.topLevelBytes + s.headerBytes + s.nodeBytes + s.leafBytes + s.uncompressedBytes + s.numBlocks + s.numQuads +
-             s.numUncompressedQuads + s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves ==
-           0 &&
-         s.maxLeafThickness == 0;
+  static const char zeros[sizeof(s)] = {};
+  const size_t members = sizeof(s.structSize);
+  return std::memcmp((const char*)&s + members, zeros, sizeof(s) - members) == 0;
 }
 
 // Both surfaces contribute to each counter. A scene with both must have the sums, except for the tree above them.
@@ -119,7 +119,10 @@ TEST(CompressionStatistics, DescribeTheLastCommit)
   rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
-  EXPECT_TRUE(isAllZero(statisticsOf(scene)));
+  RTCCompressionStatistics statistics = statisticsOf(scene);
+  EXPECT_GT(statistics.inputBytes, 0u);
+  statistics.inputBytes = 0;
+  EXPECT_TRUE(isAllZero(statistics));
 }
 
 TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
@@ -267,7 +270,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
                {"65 quads at a vertex", fan(65, 4), 65, false},
                {"16 corners", prismCage(16), 0, true},
                {"20 corners, at which all quads are", large, 22, false},
-               {"2 corners", tiny, 0, true}};
+               {"2 corners", tiny, 1, true}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << kindName(compression));
@@ -281,9 +284,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       rtcCommitScene(scene);
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numUncompressedQuads > 0, c.hasOthers);
-      if (c.unsupported) {
-        EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
-      }
+      EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
       EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: "
                                    << device.message;
       rtcReleaseGeometry(geometry);

@@ -206,13 +206,17 @@ TEST(GeometryBlocks, LowerIDInTheSceneWins)
     expectCommit(device, one);
     expectCommit(device, other);
     expectCommit(device, twice);
-    if (std::string(kind) == "grid") continue; // either of them, as in Embree
+    const bool isEither = std::string(kind) == "grid"; // as in Embree
     Random random(4);
+    size_t hits = 0;
     for (const RTCRayHit& ray : raysAt(random, 300))
       for (RTCScene scene : {RTCScene(one), RTCScene(other), RTCScene(twice)}) {
         const RTCRayHit hit = intersect(scene, ray);
-        if (isHit(hit)) { ASSERT_EQ(hit.hit.geomID, 3u); }
+        if (!isHit(hit)) continue;
+        hits++;
+        ASSERT_TRUE(hit.hit.geomID == 3 || (isEither && hit.hit.geomID == 5)) << hit.hit.geomID;
       }
+    EXPECT_GT(hits, 300u);
   }
 }
 

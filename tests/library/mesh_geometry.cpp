@@ -623,10 +623,16 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         }
         for (int c = 0; c < 3; c++)
           ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
-        // parameters of the other corners follow from the first
-        const bool isFlipped = t.u[0] + t.v[0] > 1;
-        ASSERT_EQ(t.u[1], isFlipped ? 0 : 1);
-        ASSERT_EQ(t.v[2], isFlipped ? 0 : 1);
+        // u and v of the corners: the triangle has the hit's point at the hit's u and v
+        const double edgeU[2] = {double(t.u[1]) - t.u[0], double(t.u[2]) - t.u[0]};
+        const double edgeV[2] = {double(t.v[1]) - t.v[0], double(t.v[2]) - t.v[0]};
+        const double area = edgeU[0]*edgeV[1] - edgeU[1]*edgeV[0], du = r.hit.u - t.u[0], dv = r.hit.v - t.v[0];
+        ASSERT_EQ(std::fabs(area), 1);
+        const double b = (du*edgeV[1] - dv*edgeU[1])/area, c = (dv*edgeU[0] - du*edgeV[0])/area;
+        const float org[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, dir[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+        for (int k = 0; k < 3; k++)
+          ASSERT_NEAR((1 - b - c)*t.vertices[0][k] + b*t.vertices[1][k] + c*t.vertices[2][k],
+                      org[k] + double(r.ray.tfar)*dir[k], 1e-4) << "b " << b << ", c " << c;
       }
       RTCCompressedTriangle t;
       EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
