@@ -235,8 +235,8 @@ struct RTCCompressionStatistics
   size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads
   size_t numMovingQuads;        // quads with several time steps
   size_t motionBytes;           // the part of leafBytes for all time steps but the first
-  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: faces with more
-                                // than 16 corners, or with a vertex that has more than 64 faces or such a face
+  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: faces with 1, 2
+                                // or more than 16 corners, or with a vertex that has more than 64 faces or such a face
   size_t inputBytes;            // buffers of compressed geometries that Embree allocated and that were not released,
                                 // and Embree's copies of their topology
   size_t cacheBytesPerThread;   // largest size of the caches in which each tracing thread keeps decoded blocks; threads

@@ -40,7 +40,7 @@ bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b)
 bool operator==(const SceneKey& a, const SceneKey& b)
 {
   return a.level == b.level && isSameView(a.camera, b.camera) && a.representation.kind == b.representation.kind &&
-         (!a.representation.isCompressed() || a.representation.frameLevel == b.representation.frameLevel);
+         (!a.representation.hasFrames() || a.representation.frameLevel == b.representation.frameLevel);
 }
 
 SceneStore::SceneStore(const Model& model, const BuildSettings& settings, Worker& worker)

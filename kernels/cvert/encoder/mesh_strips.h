@@ -87,7 +87,6 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t neighbors[3], start = 0;
       for (int e=0; e<3; e++) neighbors[e] = withEdge(own[(e+1)%3],own[e]);
       while (start < 2 && (neighbors[start] != 0 || (neighbors[(start+1)%3] | neighbors[(start+2)%3]) == 0)) start++;
-      if (neighbors[start] != 0 && (neighbors[(start+1)%3] | neighbors[(start+2)%3]) == 0) start = (start+1)%3;
       uint8_t a = own[start], b = own[(start+1)%3], c = own[(start+2)%3];
       if (numTriangles != 0) { restarts |= 1u << numTriangles; numRestarts++; }
       stream[streamSize++] = a; stream[streamSize++] = b; stream[streamSize++] = c;

@@ -126,6 +126,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
+      for (uint32_t g=0; packed && g<layout.groups; g++) statistics.rotatedGroups += header.rotation >> g & 1;
       // the segment that ends here: its margins are in the previous step
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
@@ -176,7 +177,6 @@ namespace cvert { inline namespace CVERT_ISA
           header.rotation |= uint32_t(areRotated[g]) << g;
         }
       }
-      for (uint32_t g=0; g<groups; g++) statistics.rotatedGroups += areRotated[g];
       header.info = uint32_t(now.hasRemainders()) << 24 | uint32_t(areRotated[firstCell]) << 25
         | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
       header.word = words[firstCell];

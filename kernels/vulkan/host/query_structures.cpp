@@ -72,7 +72,7 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
       = requests[instance.accelerationStructureReference].level->structure->address;
   const size_t size = instances.size()*sizeof(instances[0]);
   const Slice slice = arena.allocate(std::max(size, size_t(1)), "instances for ray queries");
-  uploader.write(slice, 0, instances.data(), size);
+  if (size != 0) uploader.write(slice, 0, instances.data(), size);
   uploader.flush();
   out.topLevel = buildTopLevel(device, slice.address(), instances.size());
   out.instances = std::move(instances);
