@@ -145,8 +145,7 @@ inline void require(bool condition, const char* text)
 /* Throws CBVH_ERROR_INVALID_ARGUMENT if bits other than the known ones are set. of: what has the flags. */
 void checkFlags(unsigned int flags, unsigned int known, const char* of);
 
-/* Stores a text for cbvhGetErrorText, if there is no context to report an invalid argument to. Returns
- * CBVH_ERROR_INVALID_ARGUMENT. */
+/* Stores a text for cbvhGetErrorText, without calling the error function. Returns CBVH_ERROR_INVALID_ARGUMENT. */
 CbvhError rejectArgument(const char* text);
 
 }} // namespace embree::beside

@@ -11,8 +11,8 @@ struct CbvhGroupTy : embree::beside::RefCounted
 {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
-  /* Builds the tree over the surfaces' last commits. Throws without a change if a surface is not committed. If input
-   * was left out, throws once, after the commit (see cbvhCommitGroup). */
+  /* Builds the tree over the surfaces' last commits. If a surface is not committed, throws and leaves the group
+   * unchanged. If input was left out, throws once, after the commit (see cbvhCommitGroup). */
   void commit();
 
   const embree::beside::RefPtr<CbvhContextTy> context;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of cbvh.h: those that may grow, and conversion from and to types of the core. */
+/* Structs of cbvh.h: those that may grow, and conversion from and to types of the kernels. */
 
 #include "cbvh/cbvh.h"
 

@@ -66,7 +66,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 
   /* Compresses the pending input. Without pending input, does nothing, or throws if the surface is empty or its
    * accuracy changed. If no blocks are stored, throws; the last commit then remains current, and the input pending.
-   * CbvhGroupTy::commit() reports quads that were left out. */
+   * CbvhGroupTy::commit() reports input that was left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
 

@@ -64,8 +64,9 @@ bool reportProgress(void* ptr, double done)
   return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, begin + (1 - begin)*done));
 }
 
-/* Builds the scene's compressed geometries that were committed since their last build. Attaches their substitutes to
- * Embree's scene, or the originals if they cannot be compressed. Sets isCanceled if the application cancels. */
+/* Builds the scene's enabled compressed geometries that were committed since their last build. In Embree's scene,
+ * replaces originals by substitutes, or the reverse if a geometry cannot be compressed. Sets isCanceled if the
+ * application cancels. */
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();

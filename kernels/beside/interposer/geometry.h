@@ -17,7 +17,7 @@
 
 namespace interposer {
 
-/* Called with the completed fraction, 0 to 1. Returns false to cancel. */
+/* Called with the completed fraction, 0 to 1, by several threads at the same time. Returns false to cancel. */
 typedef std::function<bool(double)> Progress;
 
 class Substituted

@@ -38,7 +38,8 @@ struct Input
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
 
-  /* Sets a surface's cage, grids or mesh. Throws Unsupported. */
+  /* Sets a surface's cage, grids or mesh. Throws Unsupported. This Input and its buffers must exist until the surface
+   * is committed. */
   void applyTo(CbvhSurface surface) const;
 
 private:

@@ -113,6 +113,7 @@ public:
   bool isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel, unsigned int geomID);
 
 private:
+  /* Callers hold the mutex. */
   void release(Geometry* geometry, Garbage& garbage);
   void release(Scene* scene, Garbage& garbage);     // does nothing for NULL
   Scene* findAndRetain(RTCScene scene);             // returns NULL for unknown scenes

@@ -32,6 +32,6 @@ namespace embree
    *  scene, or null if none is compressed. The caller owns the result. Clears scene->surfaceIDs, which builds set. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Same for the moving compressed geometries only. */
+  /*! Same for the moving compressed geometries only, but keeps scene->surfaceIDs. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

@@ -182,8 +182,8 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Ends the commit of the SurfaceState. If the geometry releases its input and has no blocks, builds them and
-     *  returns true: the caller must then release the input. */
+    /*! Ends the commit of the SurfaceState. If the geometry is compressed, releases its input and has no blocks,
+     *  builds them and returns true: the caller must then release the input. */
     bool buildBlocksNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);

@@ -20,7 +20,7 @@ namespace embree
       return type == HalfEdge::COMPLEX_PATCH || type == HalfEdge::IRREGULAR_QUAD_PATCH;
     }
 
-    /*! Null for a face that does not exist or has no edges. */
+    /*! Null for a face that does not exist or has no edges, and if the topology was not committed. */
     const HalfEdge* firstEdge (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
     {
       if (face >= mesh->size() || topology.halfEdges.size() == 0) return nullptr;

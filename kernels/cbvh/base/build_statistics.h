@@ -43,7 +43,7 @@ namespace embree
         maxSquaredMismatch = std::max(maxSquaredMismatch,distance2(own,shared));
       }
 
-      /*! Adds the statistics of another task of the surface. Only this function sets sums.maxVertexDeviation and
+      /*! Adds the statistics of another task of the surface. Only this function computes sums.maxVertexDeviation and
        *  sums.maxBorderMismatch. */
       void merge (const BuildStatistics& other)
       {

@@ -90,7 +90,7 @@ namespace embree
       size_t framelessQuads = 0;   //!< in full precision, because their block has no valid frame
       size_t framelessQuadsInGrid = 0; //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
-      size_t invalidFaces = 0;     //!< faces with quads that are left out
+      size_t invalidFaces = 0;     //!< primitives that the commit reports as invalid (surface/source.h)
       size_t bytesInEmbree = 0;    //!< estimate for Embree's own representation
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Per-thread cache of decoded blocks, because consecutive rays mostly reach the same blocks, and decoding is most of a
- * ray's cost. Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by block address. A new block may have the
- * address of a released one, so each build invalidates all caches at its end. */
+ * ray's cost. Entries (vert/cache.h, vert/mesh_cache.h, framed/node_cache.h) are direct-mapped by block address. A new
+ * block may have the address of a released one, so each build invalidates all caches at its end. */
 
 #include "../embree/simd.h"
 #include <atomic>

@@ -18,7 +18,8 @@ namespace embree
     struct BuildResults
     {
       /*! Blocks of consecutive patches, beginning with `patch` of `primitive`, if strip is 0. Otherwise blocks of one
-       *  strip of that patch, numbered from 1. */
+       *  strip of that patch, numbered from 1. For mesh blocks, `primitive` is the number of grids plus the index of
+       *  the batch (irregular_blocks.h). */
       struct List
       {
         size_t primitive;
@@ -49,7 +50,7 @@ namespace embree
         if (list) lists.push_back(std::move(list));
       }
 
-      /*! Copies to a vector without unused capacity. `from` keeps its capacity for the task's next blocks. */
+      /*! Returns a copy without unused capacity, and frees the memory of `from`. */
       template<typename T>
       static mvector<T> copyAndClear (Device* device, mvector<T>& from)
       {

@@ -68,7 +68,7 @@ namespace embree
         CompressibleGeometry* geometry;
         unsigned geomID;
         SurfaceNumberPointer number;
-        CompressionPlan plan;                        //!< plan of the blocks
+        CompressionPlan plan;
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
@@ -202,7 +202,7 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that were left out, unless the previous commit did. before: buildIDsInTree of that commit. */
+      /*! Reports invalid faces or grids, unless the previous commit did. before: buildIDsInTree of that commit. */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
