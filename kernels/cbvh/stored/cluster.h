@@ -26,7 +26,7 @@ namespace embree
     enum class ClusterReason : int
     {
       NONE = 0,        //!< it is not, unless floats were requested
-      FLOATS = 1,      //!< the block stores floats, or as many bits
+      FLOATS = 1,      //!< the block stores vertices with the precision of floats
       MOVING = 2,      //!< vertices are interpolated between time steps, or the block is a moving mesh block
       OUT_OF_RANGE = 3 //!< over 2^23 spacings from the origin, over 2^16 wide, or the spacing is below 2^-126
     };

@@ -16,7 +16,7 @@ namespace embree
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction; owned by CageBorders
       bool isReversed;            //!< the side runs against the owner's direction
-      int exponent;               //!< the spacing of the interior's lattice is 2^exponent
+      int exponent;               //!< exponent of the interior's lattice, or losslessExponent
       unsigned rate;              //!< quads along the side
 
       /*! Returns vertex k, from 0 to rate, counted around the patch. */
