@@ -93,7 +93,7 @@ namespace embree
     }
 
     const GType ownType;             //!< type at creation
-    CompressionSettings compression; //!< set by rtcSetGeometryCompression
+    CompressionSettings compression; //!< set by core::setCompression(), or from a file
     SurfaceState surface;
 
   protected:

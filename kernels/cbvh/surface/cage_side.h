@@ -28,8 +28,8 @@ namespace embree
       }
 
       /*! Returns the first (0) or second (1) half of an n-gon's edge, counted around the face. Embree gives such an
-       *  edge an even rate in both faces, but a quad at an edge of three faces can have an odd one. The n-gon then uses
-       *  the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
+       *  edge an even rate in both faces, but a quad without an opposite half-edge can have an odd one. The n-gon then
+       *  uses the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;
