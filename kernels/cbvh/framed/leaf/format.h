@@ -15,7 +15,7 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Separate leaves: for quads that fold over each other or have holes. The word is that of an inner node. Each child's
+ * Separate leaves: for quads that fold over each other or have holes. The word is an inner node's. Each child's
  * box contains a plane of its own, is solid (the box is the surface), or is empty.
  *
  * The surface of a group, widened by half a thickness up and down in z, contains its quads' edges.
