@@ -132,7 +132,7 @@ namespace embree
           for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCornerShuffles[k])));
         }
 
-        /*! _mm_shuffle_epi8 for controls that select only the lowest byte of each lane. */
+        /*! _mm_shuffle_epi8 for controls that set only the lowest byte of each 32-bit lane. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
 #if defined(CBVH_SSE41_INTEGERS)

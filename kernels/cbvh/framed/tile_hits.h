@@ -8,7 +8,7 @@
  *
  * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. The index of its node
  * is the rank with the bits of descending axes flipped. Ranks 1 and 2 of four siblings are alternatives: a ray
- * intersects both only if their boxes overlap. If the second is nearer, they are swapped. */
+ * intersects both only if their boxes overlap along x or y. If the second is nearer, they are swapped. */
 
 #include "block_tiles.h"
 #include "node_ray.h"

@@ -5,8 +5,8 @@
 
 /* State of geometries that can be compressed, in addition to Embree's. The commit of a geometry changes the type of
  * compressed moving cages, grids and meshes to GTY_COMPRESSED, which Embree's kernels ignore. Static cages keep their
- * type: if a scene compresses one of them, its compressed tree contains all of them. The commit of a scene builds the
- * blocks, unless endCommit() has. */
+ * type: if a scene compresses any static geometry, its compressed tree contains all of them. The commit of a scene
+ * builds the blocks, unless endCommit() has. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -93,7 +93,7 @@ namespace embree
     }
 
     const GType ownType;             //!< type at creation
-    CompressionSettings compression; //!< set by rtcSetGeometryCompression
+    CompressionSettings compression; //!< set by core::setCompression(), or from a file
     SurfaceState surface;
 
   protected:

@@ -20,7 +20,8 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units; 0: lossless cVERT; negative: inherited, or the default
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< set for geometries only
-    int fallbackFaces = -1;    //!< 1: cLEAF stores faces that heights represent badly as cVERT; negative: inherited
+    int fallbackFaces = -1; //!< 1: faces that cLEAF represents badly, and moving geometry, become cVERT; negative:
+                            //!< inherited
     bool releasesInput = false; //!< the geometry or its device requests it
     /*! Set for devices only: types of geometry that inherit the device's compression. */
     bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
@@ -28,8 +29,8 @@ namespace embree
     void* progressUserPtr = nullptr;
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
-     *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error, with key and value,
-     *  for invalid values and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
+     *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error for invalid
+     *  values and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and

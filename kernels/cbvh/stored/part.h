@@ -11,7 +11,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! A triangle of cVERT or cGRID. */
+    /*! A triangle of cVERT, cGRID or a mesh block. */
     struct StoredTriangle
     {
       float vertices[3][3]; //!< in the geometry's space
@@ -20,8 +20,8 @@ namespace embree
     };
 
     /*! The quads of a block: up to 16 x 16 of cVERT, up to 256 x 256 of cGRID. Of a mesh block, one quad or triangle; a
-     *  quad of one triangle repeats a vertex. Neighboring parts, in cGRID only of one
-     *  face, store shared vertices as the same floats. */
+     *  quad of one triangle repeats a vertex. Neighboring parts, in cGRID only parts of one patch, store shared
+     *  vertices as the same floats. */
     struct StoredPart
     {
       uint32_t primID;           //!< of all quads, if primitivesPerQuad is 0

@@ -53,7 +53,7 @@ namespace embree
     class BlockIndex
     {
     public:
-      /*! Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. */
+      /*! Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. `blocks` must outlive the index. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! See core/stored_surface.h. */

@@ -15,7 +15,7 @@ namespace embree
   {
     namespace
     {
-      MutexSys mutex;                    //!< protects the following, and SurfaceState::number and blocks
+      MutexSys mutex;                    //!< also protects SurfaceState::number and blocks, and writes of surfaceIDs
       /*! Unused numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;

@@ -200,7 +200,7 @@ namespace embree
 
       Device* const device;
       const CompressionPlan& plan;
-      mvector<int8_t> own, shared; //!< exponents, step by step, by primitive and by element
+      mvector<int8_t> own, shared; //!< exponents of all steps, per primitive and per element
     };
   }
 }

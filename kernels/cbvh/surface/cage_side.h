@@ -16,7 +16,7 @@ namespace embree
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction; owned by CageBorders
       bool isReversed;            //!< the side runs against the owner's direction
-      int exponent;               //!< the spacing of the interior's lattice is 2^exponent
+      int exponent;               //!< exponent of the interior's lattice, or losslessExponent
       unsigned rate;              //!< quads along the side
 
       /*! Returns vertex k, from 0 to rate, counted around the patch. */
@@ -28,8 +28,8 @@ namespace embree
       }
 
       /*! Returns the first (0) or second (1) half of an n-gon's edge, counted around the face. Embree gives such an
-       *  edge an even rate in both faces, but a quad at an edge of three faces can have an odd one. The n-gon then uses
-       *  the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
+       *  edge an even rate in both faces, but a quad without an opposite half-edge can have an odd one. The n-gon then
+       *  uses the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

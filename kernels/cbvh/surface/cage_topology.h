@@ -11,7 +11,7 @@
  *          face B             claim is the index of a half-edge.
  *
  * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps its vertices in
- * place, so the edge is straight and equal in all faces, whichever GRID traces. All share it and its two corners.
+ * place, so before displacement the edge is straight and equal in all faces. All share it and its two corners.
  * Neither do the half-edges of two faces of opposite winding have an opposite: Embree treats them as borders. They are
  * shared if both faces evaluate the same border. */
 
@@ -182,8 +182,8 @@ namespace embree
         }
       };
 
-      /*! Sets one owner and rate for all half-edges of an edge without opposites that are borders of equal shape, and
-       *  one corner owner for each of its ends. */
+      /*! Sets one owner and rate for the half-edges of an edge of three or more faces, or of two borders of equal
+       *  shape, and one corner owner for each of its ends. */
       void joinWithoutOpposite ()
       {
         std::vector<KeyedEdge> borders;

@@ -15,10 +15,10 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Separate leaves: for quads that fold over each other or have holes. The word is that of an inner node. Each child's
+ * Separate leaves: for quads that fold over each other or have holes. The word is an inner node's. Each child's
  * box contains a plane of its own, is solid (the box is the surface), or is empty.
  *
- * A leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
+ * The surface of a group, widened by half a thickness up and down in z, contains its quads' edges.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4.1, which stores each corner of each quad in 4 bits. */
@@ -133,7 +133,7 @@ CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 
 CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
-/*! A decoded leaf: a bilinear patch over a box, from which the surface deviates by half the thickness at most. */
+/*! A decoded leaf: a bilinear patch over a box, from which edges of quads deviate by half the thickness at most. */
 struct LeafPatch
 {
   NodeBox box;

@@ -21,7 +21,7 @@ namespace embree
 
       GroupLanes() {}
 
-      /*! m: Morton index of the first group. All its vertices must be finite. */
+      /*! m: Morton index of the first group. All vertices of the four groups must be finite. */
       GroupLanes(const BlockGeometry& geometry, uint32_t m)
       {
         const uint32_t side = (1u << geometry.cellLevels)+1, x = 2*mortonX(m), y = 2*mortonY(m);

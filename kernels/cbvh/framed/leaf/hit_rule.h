@@ -103,7 +103,7 @@ CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 struct HitResult
 {
   uint32_t hit;     //!< hitNone, or where the ray hits
-  uint32_t from;    //!< remembered side, if the hit follows from it, otherwise sideUnknown
+  uint32_t from;    //!< remembered side, if a hit follows from it; sideUnknown for other hits
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 

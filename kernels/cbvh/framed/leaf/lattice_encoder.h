@@ -144,9 +144,9 @@ namespace embree
     }
 
     /*! Fits the heights so that the surface passes through the vertices. Each iteration moves each vertex's own height
-     *  by the distance of the surface from the vertex. This converges if that height has the largest weight at the
-     *  vertex; otherwise the deviation stays large, and the caller rejects the lattice. tolerance: largest
-     *  remaining distance in z at which the fit ends. */
+     *  by the distance of the surface from the vertex. This converges if each height has over half of the weight at
+     *  its vertex. If the deviation stays large, the caller rejects the lattice. tolerance: largest remaining
+     *  distance in z at which the fit ends. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position position[9];

@@ -27,7 +27,7 @@ namespace embree
     /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends, that may be poor. */
     static constexpr double maxPoorQuadFraction = 1.0/64, maxPoorEdgeFraction = 1.0/16;
 
-    /*! Quads from which isClearlyPoor() judges a larger patch. */
+    /*! Smallest sample of isClearlyPoor(), in quads. A smaller patch is the sample. */
     static constexpr size_t minSampleQuads = 1024;
 
     /*! Counts, of a block or a patch. */
@@ -50,7 +50,7 @@ namespace embree
       /*! Returns true if the part of a patch that was added so far suffices to store the patch as cVERT: if poor quads
        *  exceed their fraction of a sample, or poor edges their fraction of all edges. The first quarter of the quads,
        *  but at least minSampleQuads, is the sample; it must be distributed over the patch. patchQuads: quads of the
-       *  patch. maxEdges: upper bound of the edges that will be added. */
+       *  patch. maxEdges: upper bound of the patch's edges. */
       bool isClearlyPoor(size_t patchQuads, size_t maxEdges) const
       {
         const size_t sampleSize = std::min(patchQuads,std::max(patchQuads/4,minSampleQuads));
@@ -58,8 +58,8 @@ namespace embree
           || poorEdges > maxPoorEdgeFraction*double(maxEdges);
       }
 
-      /*! Adds quad (x,y) of a block and its leaf. Ignores quads without area or with vertices that are not finite. box:
-       *  of the leaf. slope: dz/dx and dz/dy of the leaf's plane in the frame. isSeparate: its group has separate
+      /*! Adds quad (x,y) of a block and its leaf. Ignores quads without area. Vertices must be finite. box: of the
+       *  leaf. slope: dz/dx and dz/dy of the leaf's plane in the frame. isSeparate: its group has separate
        *  leaves. thickness: in world space. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
         bool isSeparate, double thickness)

@@ -30,7 +30,7 @@ namespace embree
       }
 
       /*! Mask of lanes whose leaf c certainly does not count as poor (LeafFit), and is thinner than maxThickness in
-       *  world space. */
+       *  world space. Bits of lanes without a lattice are undefined. */
       uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childCoordinate(c,0), row = childCoordinate(c,1), v = column+3*row;

@@ -29,7 +29,7 @@ namespace embree
         return false;
       }
 
-      /*! Distance in z that a surface with these slopes must keep from the vertices, because of rounding. */
+      /*! Distance in z that a surface with these absolute slopes must keep from the vertices, because of rounding. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }

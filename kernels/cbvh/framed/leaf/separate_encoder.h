@@ -86,8 +86,8 @@ namespace embree
       return solidLeaf;
     }
 
-    /*! parent: decoded box of the group. The leaves share the largest of their thicknesses. Does not set
-     *  borderWidth. */
+    /*! parent: decoded box of the group. The leaves share the largest of their thickness codes. Does
+     *  not set borderWidth. */
     inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;
