@@ -29,6 +29,7 @@ namespace embree
       class RotatedBase
       {
       public:
+        /*! first: residuals of the first step; must outlive this object. */
         __forceinline RotatedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
           : base(base), first(first)
         {
