@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups front to
- * back, then triangles. traversal/leaf_intersectors1.h calls it. */
+/* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups (front
+ * to back for closest hits), then triangles. traversal/leaf_intersectors1.h calls it. */
 
 #include "boxes.h"
 #include "hits1.h"

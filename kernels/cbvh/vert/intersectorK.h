@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of cVERT blocks for packets. Interval arithmetic over all rays culls boxes of groups. The others, and
- * triangles unless few rays reach them, are tested with one ray per lane. */
+/* Intersector of cVERT blocks for packets. Interval arithmetic over the rays of a class (VertRays::rayClass) culls
+ * boxes of groups. The others, and triangles unless few rays reach them, are tested with one ray per lane. */
 
 #include "intersector1.h"
 #include "hitsK.h"

@@ -28,7 +28,7 @@ namespace embree
       alignas(64) uint32_t lower[3][16];    //!< [axis][group]: coordinates to which vertex fields are relative
 
       /*! First bit in the block of vertex v, which belongs to group g. fieldBitOfVertex0: of vertex 0, if it belonged
-       *  to the group, modulo 2^16. */
+       *  to the group, relative to verticesBegin, modulo 2^16. */
       __forceinline uint32_t fieldBitOfVertex (uint32_t v, uint32_t g) const {
         return verticesBegin + uint16_t(fieldBitOfVertex0[g] + v*fieldBits[3][g]);
       }
@@ -92,7 +92,8 @@ namespace embree
       uint32_t base[3][16];       //!< residual minus field: [axis][group]
     };
 
-    /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. No axis is sheared. */
+    /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. `planes` are not
+     *  sheared. */
     struct MeshSegmentEntry
     {
       SegmentKey key;            //!< of the block

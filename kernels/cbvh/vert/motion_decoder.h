@@ -4,8 +4,8 @@
 #pragma once
 
 /* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends: first the data that groups
- * share, then the vertices of one group at a time, for moving_block.h. cvert/decoder/step_view.h is the scalar
- * reference. */
+ * share, then the vertices of one group at a time, for moving_block.h. cvert/decoder/decoded_block.h is the
+ * scalar reference. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -29,6 +29,7 @@ namespace embree
       class RotatedBase
       {
       public:
+        /*! first: residuals of the first step; must outlive this object. */
         __forceinline RotatedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
           : base(base), first(first)
         {

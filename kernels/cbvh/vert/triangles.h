@@ -77,7 +77,7 @@ namespace embree
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! Geometric normal of a hit, not normalized; minus the ray's direction for a triangle without area. */
+        /*! Geometric normal of a hit, not normalized; minus the ray's direction if this is 0 in float. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);

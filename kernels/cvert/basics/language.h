@@ -136,7 +136,7 @@ CVERT_INLINE float product (float a, float b) { return unfused(a*b); }
 CVERT_INLINE double product (double a, double b) { return unfused(a*b); }
 #endif
 
-/*! 2^-23, the largest distance between neighboring floats, relative to their magnitude (unit in the last place). */
+/*! 2^-23, the largest distance between neighboring normal floats, relative to their magnitude. */
 CVERT_CONSTANT float floatUlp = 1.1920929e-7f;
 
 CVERT_END

@@ -53,7 +53,7 @@ namespace cvert
   private:
     static const int minExponent = -126, maxExponent = 105;
 
-    /*! x = mantissa * 2^exponent, if x is finite. */
+    /*! |x| = mantissa * 2^exponent, if x is finite. */
     struct Parts
     {
       bool isNegative;

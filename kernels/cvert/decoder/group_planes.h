@@ -12,7 +12,7 @@
 CVERT_BEGIN
 
 /*! Planes of a box on an axis, in world space. On the sheared axis they bound the sheared coordinate times the spacing,
- *  relative to the block's origin. */
+ *  relative to the step's origin. */
 struct BoxPlanes { float lower, upper; };
 
 /*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. info: of the

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Validates bytes that may be a cVERT block: all that decoders do not check. Coordinates, margins, bounds and primitive
+/* Validates bytes that may be a cVERT block: all that decoders do not check. Vertices, boxes, bounds and primitive
  * numbers may have any value. */
 
 #include "../basics/reason.h"
