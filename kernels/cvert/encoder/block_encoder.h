@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct VertStatistics
   {
     uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
-    uint32_t fieldBytes = 0;    //!< bytes of the cells' fields and of remainders
+    uint32_t fieldBytes = 0;    //!< bytes of fields and remainders, of a moving block: at its first step
     bool raw = false;           //!< the block is raw, or a step of a moving block
   };
 
