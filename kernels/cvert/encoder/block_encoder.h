@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Lossless encoder of a static cVERT block (format/block.h), except that -0 may become 0, and vertices that are not
- * finite become NaN. Base of motion_encoder.h. Blocks are smaller if callers snap vertices to a lattice first
- * (lattice.h). */
+/* Lossless encoder of a static cVERT block (format/block.h), except that vertices that are not finite become NaN, and
+ * that -0, and denormal floats if the processor flushes them, may become 0. Base of motion_encoder.h. Blocks are
+ * smaller if callers snap vertices to a lattice first (lattice.h). */
 
 #include "box_encoder.h"
 

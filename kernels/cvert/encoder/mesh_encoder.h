@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of a mesh block (format/mesh_block.h), except that -0 becomes 0. Callers may snap corners to a
- * lattice first (mesh_lattice.h). Equal corners become one vertex.
+/* Lossless encoder of a mesh block (format/mesh_block.h), except that -0, and denormal floats if the processor flushes
+ * them, become 0. Callers may snap corners to a lattice first (mesh_lattice.h). Equal corners become one vertex.
  *
  * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. The axis
  * stores ranks (rankOfFloat) if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
