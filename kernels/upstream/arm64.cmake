@@ -13,8 +13,8 @@ foreach(isa SSE42 AVX AVX2 AVX512)
   set(EMBREE_ISA_${isa} OFF)
 endforeach()
 
-# GCC fuses multiply-adds by default. Without them, blocks have the same bytes as on x86-64, where builders are compiled
-# for SSE2 and AVX.
+# Compilers fuse multiply-adds by default. Without them, blocks have the same bytes as on x86-64, where builders are
+# compiled for SSE2 and AVX.
 add_compile_options("$<$<COMPILE_LANGUAGE:C,CXX>:-ffp-contract=off>")
 # Upstream's headers expect signed chars.
 add_compile_options("$<$<COMPILE_LANGUAGE:C,CXX>:-fsigned-char>")

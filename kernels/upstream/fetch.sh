@@ -9,7 +9,7 @@
 # SUITE is the Debian release that contains this version. If the machine uses another release, the script searches for
 # SUITE on the mirrors of the machine's own suites. If it fails, the last line of the output is the reason.
 #
-# The script reads only the configuration of apt. It uses a temporary state directory, because most machines do not keep
+# The script does not change the state of apt. It uses a temporary state directory, because most machines do not keep
 # the index of source packages.
 set -eu
 package=$1 version=$2 directory=$3 suite=$4

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Lossless encoder of a static cVERT block (format/block.h), except that -0 may become 0, and vertices that are not
- * finite become NaN. Base of motion_encoder.h. Blocks are smaller if callers snap vertices to a lattice first
- * (lattice.h). */
+/* Lossless encoder of a static cVERT block (format/block.h), except that vertices that are not finite become NaN, and
+ * that -0, and denormal floats if the processor flushes them, may become 0. Base of motion_encoder.h. Blocks are
+ * smaller if callers snap vertices to a lattice first (lattice.h). */
 
 #include "box_encoder.h"
 
@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct VertStatistics
   {
     uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
-    uint32_t fieldBytes = 0;    //!< bytes of the cells' fields and of remainders
+    uint32_t fieldBytes = 0;    //!< bytes of fields and remainders, of a moving block: at its first step
     bool raw = false;           //!< the block is raw, or a step of a moving block
   };
 

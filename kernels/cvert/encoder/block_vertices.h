@@ -31,7 +31,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     uint32_t quads[2], width;        //!< quads along u and v; vertices per row
     int exponent[3];                 //!< exponents of the spacings
-    uint32_t remainderBits[3];
+    uint32_t remainderBits[3];       //!< 0 to maxRemainderBits, or remaindersAreFloats
     float origin[3];
     int coordinates[3][maxVertices]; //!< by axis, padded with the first vertex
     uint32_t remainders[3][maxVertices];
@@ -172,7 +172,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     int step[3]; //!< exponents of the steps
 
-    /*! Exponent of a power of two that is at most |x|, if x is normal. */
+    /*! Exponent of the largest power of two that is at most |x|; -127 if x is 0 or denormal. */
     static int exponentOf (float x)
     {
       uint32_t bits;
@@ -237,8 +237,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits);
     }
 
-    /*! Smallest spacing with coordinates of at most 14 bits, and planes of boxes that are exact in float, up to
-     *  maxExtent spacings outside the vertices. */
+    /*! Exponent of the smallest spacing with coordinates of at most 14 bits, and with planes of boxes that are exact in
+     *  float, up to maxExtent spacings outside the vertices. */
     int leastExponent (int k) const
     {
       const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));

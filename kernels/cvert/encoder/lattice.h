@@ -16,8 +16,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Default spacing as a fraction of a face's median quad edge along u or v, whichever is shorter. spacingPerDiagonal
-   *  may reduce it. */
+  /*! Default spacing as a fraction of a face's median quad edge along u or v, whichever results in the finer spacing.
+   *  spacingPerDiagonal may reduce it. */
   static constexpr double spacingPerEdge = 1.0/36;
 
   /*! Faces with fewer quads along an edge have a proportionally finer spacing: their quads are larger in a picture, and
@@ -63,6 +63,7 @@ namespace cvert { inline namespace CVERT_ISA
     float spacing;   //!< 0 for losslessExponent
     float reciprocal, limit; //!< 1/spacing; magnitude from which on all floats are lattice points
 
+    /*! exponent: minLatticeExponent to maxLatticeExponent, or losslessExponent. */
     explicit WorldLattice (int exponent)
       : spacing(exponent == losslessExponent ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
         limit(exponent == losslessExponent ? 0.0f : powerOfTwo(std::min(exponent+floatMantissaBits,127))) {}

@@ -19,7 +19,7 @@ namespace cvert { inline namespace CVERT_ISA
     const float (*vertices)[3];
     size_t numVertices;
     const uint32_t (*triangles)[3];
-    size_t numTriangles;
+    size_t numTriangles; //!< at most 2^32
   };
 
   struct MeshSettings

@@ -289,7 +289,7 @@ namespace cvert { inline namespace CVERT_ISA
       splitSorted(first,middle,end,onCluster);
     }
 
-    /*! Splits a cluster into at most `most` groups. cluster: position at which it begins. */
+    /*! Splits a part of a cluster into at most `most` groups. cluster: position at which the cluster begins. */
     void splitGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
     {
       const uint32_t count = end-begin;

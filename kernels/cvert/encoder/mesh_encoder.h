@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of a mesh block (format/mesh_block.h), except that -0 may become 0. Callers may snap corners to a
- * lattice first (mesh_lattice.h). Equal corners become one vertex.
+/* Lossless encoder of a mesh block (format/mesh_block.h), except that -0, and denormal floats if the processor flushes
+ * them, become 0. Callers may snap corners to a lattice first (mesh_lattice.h). Equal corners become one vertex.
  *
  * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. The axis
  * stores ranks (rankOfFloat) if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
@@ -20,7 +20,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MeshTriangle
   {
-    float corners[3][3]; //!< by corner and axis; finite, three different points
+    float corners[3][3]; //!< by corner and axis; finite; three different points unless vertices have IDs
     uint32_t number;     //!< primitive, or twice the primitive plus 0 or 1, see meshHasQuads
   };
 
@@ -60,7 +60,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Encodes a cluster of MeshClusters. Calls onBlock(bytes,first,count) for each block: several if groups were
-     *  divided. areHalvesOfQuads: both consecutive triangles of a quad stay in one block. */
+     *  divided. areHalvesOfQuads: consecutive triangles of a quad stay in one block. */
     template<typename OnBlock>
     void encodeCluster (const MeshTriangle* triangles, const MeshGroups& groups, bool areHalvesOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)

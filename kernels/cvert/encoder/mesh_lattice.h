@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshLattice
   {
   public:
-    /*! A first exception's spacing is 2^finerBits times smaller; a second one does not move. */
+    /*! At level 1 the spacing is 2^finerBits times smaller; at level 2 vertices do not move. */
     static const int finerBits = 6;
 
     /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or losslessExponent. */

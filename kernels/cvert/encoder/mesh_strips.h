@@ -78,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
       left &= ~(1u << t);
     }
 
-    /*! Makes a strip from triangle t to one without neighbors. */
+    /*! Makes a strip that starts with triangle t and ends when its last triangle has no neighbor to continue with. */
     void makeStrip (uint32_t t)
     {
       // The strip cannot continue across edge a b. Prefers an edge without neighbor as a b, if another edge has one.

@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MotionStatistics : public VertStatistics
   {
     uint32_t stepBytes = 0;    //!< of all steps but the first
-    uint32_t rotatedGroups = 0; //!< sum over all steps
+    uint32_t rotatedGroups = 0; //!< sum over all steps, also if one is then stored raw
   };
 
   /*! Call begin(), then for each step set vertices() and call addStep(), then finish(). Holds two steps in memory; each
@@ -146,7 +146,7 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
-    /*! Requires now.chooseSpacings(). False if residuals need too many bits. */
+    /*! Requires now.chooseSpacings(). Coarsens spacings until residuals fit. Returns false if one is then too large. */
     bool packCellsOfStep (BlockVertices& now, VertStep& header)
     {
       for (;;) {
@@ -207,8 +207,8 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! Chooses between the residuals of a cell, own[g], and their difference from rotated residuals, which then
-     *  replaces own[g]. Returns false if both have too many bits. */
+    /*! Chooses between the residuals of a cell, own[g], and their difference from rotated residuals. Sets own[g] to the
+     *  values that write() stores. Returns false if both have too many bits. */
     bool encodeCell (uint32_t g, uint32_t& word, bool& isRotated)
     {
       isRotated = false;

@@ -19,9 +19,9 @@ namespace cvert { inline namespace CVERT_ISA
     unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `numbering` contains the
-     * first corners. Blocks in which the distance from first to second triangles or the first corners differ have
-     * triangle tables, with 30 bits per number: in such blocks, all numbers must be less than 2^30. */
+    /* For quads of two triangles, row by row. Both are empty if second triangles follow first ones and `numbering`
+     * contains the first corners. Blocks in which the distance from first to second triangles or the first corners
+     * differ have triangle tables: there, numbers must differ by less than 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> firstCorners; //!< bits 4..7 of numberings
   };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Fits the 3x3 matrix that predicts the residuals of a later time step of a block from those of its first step, by
+/* Fits the 3x3 matrix that predicts the residuals of a block at a later time step from its residuals at the first, by
  * least squares (format/motion.h). Not only rotations: bending and growth are nearly linear over a block, too. */
 
 #include "../format/motion.h"

@@ -33,13 +33,13 @@ namespace cvert
     /*! Validates a FILE_FRAMED block. bytes: from the block to the end of the geometry's blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
-    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: for
-     *  FILE_FRAMED blocks; without it only their checksum is compared. */
+    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged or not supported. other:
+     *  for FILE_FRAMED blocks; without it only their checksum is compared. */
     void verify (const BlockCheck& other = BlockCheck()) const {
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
 
-    /* Throw Error: geometry i is damaged, or not supported. where: begins the message. */
+    /* Throw Error: geometry i is damaged, or not supported. where: precedes the reason. */
     [[noreturn]] void fail (size_t i, const std::string& where, const Reason& reason) const;
     [[noreturn]] void failDamaged (size_t i, const std::string& why) const;
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;

@@ -59,7 +59,7 @@ namespace cvert
 
   private:
     /*! Replaces `path` by the target of its symbolic links. Returns true at a link of /proc to an open file, whose text
-     *  is not a path. */
+     *  need not be a path. */
     bool followLinks ()
     {
       for (int links=0; ; links++)

@@ -17,7 +17,7 @@ namespace cvert
   /*! Checks a record, except for the positions of tree and blocks and for checksums. */
   Reason validateRecord (const FileGeometry& record);
 
-  /*! Checks a cVERT block of at most `bytes` bytes (validateVert), its time range, and that its primitives exist. Does
+  /*! Checks a cVERT block of at most `bytes` bytes (validateVert), its time steps, and that its primitives exist. Does
    *  not check its surface number. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reads and checks a geometry's tree in a file: every node has one parent, nodes and blocks are in depth-first order,
- * and boxes are finite. Does not read blocks. */
+/* Reads and checks a geometry's tree in a file: every node but the root has one parent, nodes and blocks are in
+ * depth-first order, and boxes are finite. Does not read blocks. */
 
 #include "../format/block.h"
 #include "record.h"

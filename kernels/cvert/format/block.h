@@ -223,8 +223,9 @@ CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint
 }
 
 /*! Upper bound, on any axis, of the distance from the origin to vertices and planes of boxes. Slopes are less than 1,
- *  so no vertex is farther than the sum of the bounds; margins may double this, or, in a moving block, exceed it by
- *  more than planes round. One bound for all axes, because the shear of a ray mixes their rounding errors. */
+ *  so no vertex is farther than the sum of the bounds; margins may double this. In a moving block, a plane may be even
+ *  farther, but is then farther from the vertices than it rounds. One bound for all axes, because the shear of a ray
+ *  mixes their rounding errors. */
 CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
   return 2.0f*(maximum(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
@@ -327,7 +328,7 @@ struct VertLayout
   uint32_t words;     //!< lower 16 bits per group
   uint32_t wordsHigh; //!< upper 8 bits per group
   uint32_t cell;      //!< fields of the first cell
-  /* vertices of a raw block */
+  /* in a raw block */
   uint32_t vertices;  //!< x, y, z per vertex, row by row
   uint32_t boxes;     //!< plane by plane, a float per group
   uint32_t rawBytes;

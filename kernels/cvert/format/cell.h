@@ -37,8 +37,8 @@ CVERT_CONSTANT int maxFieldBits = 32; //!< of a field with all three residuals
 CVERT_CONSTANT int maxResidualBits = 15; //!< per axis
 CVERT_CONSTANT int maxSlope = 15;        //!< in 1/16
 
-/*! Exclusive bound of coordinates. Predictions then have 16 bits before the binary point and 8 after it, exact in
- *  float. */
+/*! Exclusive bound of coordinates. Terms of predictions then have at most 16 bits before the binary point and 8 after
+ *  it, exact in float. */
 CVERT_CONSTANT int maxExtent = 16384;
 
 /*! Bits of component i of a residual: 0 is on the main axis, 1 and 2 are on the next two. */

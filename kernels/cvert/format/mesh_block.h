@@ -10,8 +10,9 @@
  *
  * A vertex belongs to the first group that uses it; other groups refer to its index in the block. On each axis a
  * vertex is origin + coordinate * spacing, exact in float, with a power of two as spacing. If this needs too many bits,
- * the coordinate is a rank, the number of floats from origin to vertex. Fields are coordinates relative to the owning
- * group's box. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
+ * or more than ranks, the coordinate is a rank, the number of floats from origin to vertex. Fields are coordinates
+ * relative to the owning group's box. One axis may be sheared, so that inclined sheets have flat boxes and short
+ * fields.
  *
  * A group's triangles are generalized strips: each triangle after the first uses the next vertex of a stream and two
  * vertices of the triangle before it, the last one, and the second to last or the first. Bit masks determine the

@@ -98,7 +98,7 @@ CVERT_FUNCTION ShearedBounds interpolateBounds (ShearedBounds a, ShearedBounds b
 
 /*! Distance by which planes of boxes must move outwards on an axis between two steps: interpolated vertices, origins
  *  and planes are rounded by less than 3 times 2^-24 of their magnitude. The factor 2^-20 covers their sum. a, b:
- *  origins of the steps. extent: the larger extentOfBounds of both. */
+ *  origins of the steps. extent: of both steps, see boxSlack (rule/rule.h). */
 CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
   return (maximum(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }

@@ -45,8 +45,8 @@ CVERT_CONSTANT float slackUlps = 8.0f;
 /*! The same for the sheared coordinate (format/block.h), a sum of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
-/*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: at least
- *  extentOfBounds. */
+/*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: bound of
+ *  the distance from the block's origin to planes, such as extentOfBounds. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }
@@ -65,7 +65,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. shear: worldShear. */
+/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. extent: as in boxSlack. shear:
+ *  worldShear. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -440,8 +441,8 @@ CVERT_FUNCTION bool isAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint
 
 struct FaceParameters { float u, v; };
 
-/*! Face parameters at position (a,b) of a quad for which isAtStitchedEdge is true: those of its vertices, interpolated
- *  with barycentric weights. */
+/*! Face parameters at position (a,b) of a quad for which isAtStitchedEdge is true: interpolates the parameters of its
+ *  vertices with barycentric weights. */
 CVERT_FUNCTION FaceParameters parametersAtStitchedEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
