@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MotionStatistics : public VertStatistics
   {
     uint32_t stepBytes = 0;    //!< of all steps but the first
-    uint32_t rotatedGroups = 0; //!< sum over all steps, also if one is then stored raw
+    uint32_t rotatedGroups = 0; //!< sum over all steps that are not raw
   };
 
   /*! Call begin(), then for each step set vertices() and call addStep(), then finish(). Holds two steps in memory; each
@@ -106,7 +106,7 @@ namespace cvert { inline namespace CVERT_ISA
       marginsOfSegment = block+layout.margins;
       infoOfSegment = &header.info;
       boundsOfSegment = &header.bounds;
-      rotation.setFirst(first,layout.groups);
+      if (packed) rotation.setFirst(first,layout.groups);
     }
 
     void packStep (BlockVertices& now)
