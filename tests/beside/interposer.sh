@@ -37,7 +37,8 @@ fi
 mkdir -p "$work/include" "$work/tests/interposer"
 cp -rL "$build/include/cbvh" "$work/include/"
 cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp \
-  "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/device_string.* "$work/"
+  "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/*.h \
+  "$here"/../../kernels/cbvh/core/device_string.cpp "$work/"
 cp "$here/host.h" "$work/tests/"
 cp "$here"/interposer/*.c* "$work/tests/interposer/"
 flags="-O2 -Wall -Wextra -Werror -Iinclude"
