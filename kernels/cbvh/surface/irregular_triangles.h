@@ -93,8 +93,8 @@ namespace embree
     class StoredBorders
     {
     public:
-      /*! Sets out to the stored position of a vertex. Returns false if the vertex is on no border. vertex: index in the
-       *  buffer; its position must be finite. */
+      /*! Sets out to the stored position of a vertex. Returns false if the vertex is on no border, or the geometry is
+       *  lossless. vertex: index in the buffer; its position must be finite. */
       virtual bool find (size_t vertex, float out[3]) const = 0;
 
     protected:
