@@ -101,7 +101,8 @@ namespace embree
       ~StoredBorders () {}
     };
 
-    /*! After prepare(), const members are thread-safe. */
+    /*! After prepare(), const members are thread-safe. Triangles and primitives that they receive must be valid, see
+     *  TrianglesOfMesh::corners(). */
     class IrregularTriangles
     {
     public:
@@ -119,7 +120,7 @@ namespace embree
           : bytesOfTriangleInEmbree(plan.numTimeSteps));
       }
 
-      /*! Chooses the lattices, and finds the triangles that a ray can hit. borders: of the mesh's grids, valid until
+      /*! Chooses the lattices, and finds the primitives that a ray can hit. borders: of the mesh's grids, valid until
        *  release(), or null. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
