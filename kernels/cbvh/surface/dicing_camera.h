@@ -12,8 +12,8 @@ namespace embree
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };
-    float direction[3] = { 0,0,1 };    //!< towards the picture's center; any length
-    float up[3] = { 0,1,0 };           //!< up in the picture; any length, not parallel to direction
+    float direction[3] = { 0,0,1 };    //!< towards the picture's center; any length but 0
+    float up[3] = { 0,1,0 };           //!< up in the picture; any length but 0, not parallel to direction
     bool orthographic = false;         //!< sizes in the picture are independent of the distance
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
@@ -22,7 +22,7 @@ namespace embree
     /*! Object to world space: 12 floats, column by column. Null: identity. */
     const float* transform = nullptr;
     float quadSize = 1;                //!< approximate edge length in pixels; greater than 0
-    /*! Quads far outside of the picture and behind the camera are larger by this factor. At least 1. */
+    /*! Quads outside of the picture and behind the camera are larger by up to this factor. At least 1. */
     float outsideFactor = 8;
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
     const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only

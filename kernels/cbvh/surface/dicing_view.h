@@ -4,7 +4,7 @@
 #pragma once
 
 /* Measures lengths in pixels, for dicing_samples.h: at their distance from a camera, but as if seen from the front.
- * Uses doubles, because squares of lengths from 1e-20 to 1e20 overflow or underflow in floats. */
+ * Uses doubles, because squares of lengths such as 1e20 and 1e-20 overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec_names.h"
@@ -76,8 +76,8 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
-     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). For
-     *  orthographic cameras up to 1.7 times the picture's longer side off it. */
+     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). Decreases
+     *  again from 120 degrees on. For orthographic cameras, grows up to 1.7 times the picture's longer side off it. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;

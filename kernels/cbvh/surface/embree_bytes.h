@@ -30,8 +30,8 @@ namespace embree
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! A region of a mesh as cVERT at the default precision of meshes, about 5 bytes per quad. tables: bytes of the
-   *  tables of numbers. */
+  /*! A region of a mesh as cVERT at the default precision of meshes: 5.5 bytes per quad in full blocks, and `tables`,
+   *  the bytes of the tables of numbers. */
   inline size_t bytesOfMeshGrid (size_t quadsX, size_t quadsY, size_t tables) {
     return bytesOfGridBlocks(quadsX,quadsY,true) + 4*quadsX*quadsY + tables;
   }

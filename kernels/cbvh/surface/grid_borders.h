@@ -4,8 +4,9 @@
 #pragma once
 
 /* Vertices on the borders of diced grids, by the rule in shared_border.h. Two grids share a border vertex if it has the
- * same index, or equal floats at all time steps (position_table.h). All owners then have the same position, so only
- * lattices are chosen. Lossless geometry shares nothing: its vertices stay in place. */
+ * same index, or equal floats at all time steps (position_table.h). All grids then have the same position for it, so
+ * only its lattice is chosen, and whether it is stitched (stitched_vertices.h). Lossless geometry shares nothing: its
+ * vertices stay in place. */
 
 #include "border_lattices.h"
 #include "diced_grids.h"
@@ -62,8 +63,8 @@ namespace embree
       /*! Exponent of the spacing of a grid's lattice. */
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! Returns a vertex on a grid's border as all grids store it. vertex: index in the buffer. own: exponent of the
-       *  grid's lattice. */
+      /*! Returns a vertex on a grid's border, the same for all grids unless it is not finite. vertex: index in the
+       *  buffer. own: exponent of the grid's lattice, for vertices that are not shared. */
       SharedVertex sharedVertex (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
@@ -97,7 +98,7 @@ namespace embree
       }
 
       /*! For StitchedVertices: calls closure with the entries of both ends for each edge on the border. Skips edges
-       *  whose ends are equal or not finite. */
+       *  whose ends are equal, or not finite at the first time step. */
       template<typename Closure>
       void forEachBorderEdge (size_t i, const Closure& closure) const
       {
@@ -166,7 +167,7 @@ namespace embree
       const Grids grids;
       const CompressionPlan& plan;
       BorderLattices lattices;
-      Table table;                            //!< vertices on borders; empty if nothing is shared
+      Table table;                            //!< vertices on borders; empty if none can be shared
       StitchedVertices<GridBorders> stitched;
     };
   }

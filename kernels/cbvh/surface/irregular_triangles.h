@@ -93,15 +93,16 @@ namespace embree
     class StoredBorders
     {
     public:
-      /*! Sets out to the stored position of a vertex. Returns false if the vertex is on no border. vertex: index in the
-       *  buffer; its position must be finite. */
+      /*! Sets out to the stored position of a vertex. Returns false if the vertex is on no border, or the geometry is
+       *  lossless. vertex: index in the buffer; its position must be finite. */
       virtual bool find (size_t vertex, float out[3]) const = 0;
 
     protected:
       ~StoredBorders () {}
     };
 
-    /*! After prepare(), const members are thread-safe. */
+    /*! After prepare(), const members are thread-safe. Triangles and primitives that they receive must be valid, see
+     *  TrianglesOfMesh::corners(). */
     class IrregularTriangles
     {
     public:
@@ -119,7 +120,7 @@ namespace embree
           : bytesOfTriangleInEmbree(plan.numTimeSteps));
       }
 
-      /*! Chooses the lattices, and finds the triangles that a ray can hit. borders: of the mesh's grids, valid until
+      /*! Chooses the lattices, and finds the primitives that a ray can hit. borders: of the mesh's grids, valid until
        *  release(), or null. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)

@@ -49,7 +49,7 @@ namespace embree
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
-      /*! Bounds of the displaced vertices. Returns false if one is not finite. */
+      /*! Bounds of the displaced vertices. Returns false, and undefined bounds, if one is not finite. */
       bool bounds (float lower[3], float upper[3]) { return cbvh::boundsOfVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices

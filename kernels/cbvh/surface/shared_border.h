@@ -63,8 +63,8 @@ namespace embree
 
     /*! Replaces a part's vertices on the border of a patch of quadsX x quadsY quads by the shared vertices, rounded to
      *  their lattices. Adds to the statistics how far these moved, and how far the owner's positions differ. own:
-     *  vertices as the primitive evaluates them. stored: receives only border vertices; may be the same array. Both
-     *  contain the part row by row. Patch: see source.h. */
+     *  vertices as the primitive evaluates them. stored: receives only border vertices; another array, because corners
+     *  are read twice. Both contain the part row by row. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)

@@ -9,9 +9,9 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * An open edge is on the border of only one grid. If other open edges lie on an open edge from p to q with shared ends,
- * and lead from p to q, the vertices between are stored on the edge between the stored p and q. They must lie on it at
- * all time steps, except for the application's rounding. */
+ * An open edge occurs only once on the borders of all grids. If other open edges lie on an open edge from p to q with
+ * shared ends, and lead from p to q, the vertices between are stored on the edge between the stored p and q. They must
+ * lie on it at all time steps, except for the application's rounding. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -103,7 +103,7 @@ namespace embree
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! Returns the edges that are on the border of only one grid, each in both directions, sorted by their begin. */
+      /*! Returns the open edges, each in both directions, sorted by their begin. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {

@@ -11,7 +11,8 @@
  *   the longest edge is chosen, as the quads' diagonal.
  * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid.
  *
- * Edges separate regions unless exactly two triangles, with consistent winding, share them. */
+ * Both search only across edges that exactly two triangles, with consistent winding, share. If triangles t of both
+ * halves of the index buffer share an edge for nearly all t, they are paired without this search. */
 
 #include "../embree/scene.h"
 #include "welded_vertices.h"

@@ -14,8 +14,8 @@ namespace embree
   class WeldedVertices
   {
   public:
-    /*! Welds n vertices, independently of the number of threads. Returns null if no two are equal. steps: one buffer
-     *  per time step, with at least n vertices. */
+    /*! Welds n vertices, independently of the number of threads. Returns null if no two are equal, or n is
+     *  2^32-1 or more. steps: one buffer per time step, with at least n vertices. */
     static std::shared_ptr<const WeldedVertices> find (const BufferView<Vec3fa>* steps, unsigned numSteps,
                                                        size_t n);
 

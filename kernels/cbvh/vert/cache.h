@@ -59,7 +59,7 @@ namespace embree
     {
     public:
       /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. 512: less
-       *  than a full block, so that neighboring blocks have different entries. */
+       *  than most full blocks, so that neighboring blocks have different entries. */
       __forceinline VertBlockEntry& blockEntry (const void* block) {
         return blocks[blocks.indexOf(localityHashOfBlock(block,512))];
       }
