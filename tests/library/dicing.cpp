@@ -116,13 +116,23 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
 {
   Device device;
   Surface surface(device, quadCage());
-  RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2), behind = all;
-  all.width = all.height = 0; // no picture bounds: all directions
-  behind.direction[2] = 1;    // the surface is behind the camera
-  const float seen = surface.rates(all)[0];
-  for (float outside : {1.0f, 4.0f, 16.0f}) {
-    behind.outsideFactor = outside;
-    EXPECT_EQ(surface.rates(behind)[0], seen/outside);
+  for (float width : {6.0f, 2.0f, 0.35f, 0.13f}) { // of the picture at distance 1
+    RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2);
+    all.pixelSize = width/512;
+    RTCDicingArguments outside = all;
+    all.width = all.height = 0; // no picture bounds: all directions
+    const float seen = surface.rates(all)[0];
+    // the surface is behind the camera, diagonally behind it, and beside the picture if that is narrow
+    const std::vector<Vec> directions = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 0.1f}};
+    for (size_t i = 0; i < (width < 1 ? directions.size() : 4); i++) {
+      SCOPED_TRACE(testing::Message() << "width " << width << ", direction " << i);
+      std::copy_n(directions[i].data(), 3, outside.direction);
+      outside.up[0] = 0; outside.up[1] = i == 2 || i == 3 ? 0 : 1; outside.up[2] = i == 2 || i == 3 ? 1 : 0;
+      for (float factor : {1.0f, 4.0f, 16.0f}) {
+        outside.outsideFactor = factor;
+        EXPECT_EQ(surface.rates(outside)[0], seen/factor) << "factor " << factor;
+      }
+    }
   }
 }
 

@@ -273,7 +273,8 @@ TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
     addSurface(device, scene, cubeCage(), settings);
     if (hasTriangles) {
       RTCGeometry triangle = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-      setBuffer(triangle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{{7, 0, 0}, {8, 0, 0}, {7, 1, 0}});
+      const std::vector<Vec> corners = {{7, 0, 0}, {8, 0, 0}, {7, 1, 0}};
+      setBuffer(triangle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, corners);
       setBuffer(triangle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
       rtcCommitGeometry(triangle);
       attach(scene, triangle);

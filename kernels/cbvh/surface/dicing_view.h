@@ -28,7 +28,7 @@ namespace embree
     {
       for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
       if (!hasPicture) return;
-      const Double3 forward = normalized(Double3{ camera.direction[0],camera.direction[1],camera.direction[2] });
+      forward = normalized(Double3{ camera.direction[0],camera.direction[1],camera.direction[2] });
       const Double3 right = normalized(cross(forward,Double3{ camera.up[0],camera.up[1],camera.up[2] }));
       const Double3 down = cross(forward,right);
       const double halfWidth = 0.5*camera.width*camera.pixelSize, halfHeight = 0.5*camera.height*camera.pixelSize;
@@ -76,17 +76,19 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
-     *  adjacent faces get similar rates, up to 60 degrees off the picture's border: 1.15 = 1/sin(60 degrees). Decreases
-     *  again from 120 degrees on. For orthographic cameras, grows up to 1.7 times the picture's longer side off it. */
+     *  adjacent faces get similar rates. Reaches outsideFactor 60 degrees off the picture's border or behind the camera
+     *  (1.15 = 1/sin(60 degrees)), or 1.7 times the longer side off an orthographic picture. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
-      double radius = 0.0, distanceOutside = 0.0;
+      double radius = 0.0, outside = 0.0;
       for (int i=0; i<4; i++) radius = max(radius,sqr_length(corners[i]-center));
       radius = std::sqrt(radius);
-      for (int i=0; i<4; i++) distanceOutside = max(distanceOutside,dot(normals[i],center-eye)-offsets[i]-radius);
+      for (int i=0; i<4; i++) outside = max(outside,dot(normals[i],center-eye)-offsets[i]-radius);
+      // behind the camera, borders come nearer again
+      if (!orthographic) outside += max(0.0,dot(forward,eye-center)-radius);
       const double scale = orthographic ? 4.0*size : std::sqrt(sqr_length(center-eye));
-      return distanceOutside > 0.0 ? 1.0 + (outsideFactor-1.0)*min(1.0,1.15*distanceOutside/scale) : 1.0;
+      return outside > 0.0 ? 1.0 + (outsideFactor-1.0)*min(1.0,1.15*outside/scale) : 1.0;
     }
 
     static double sqr_length (const Double3& v) { return dot(v,v); }
@@ -96,6 +98,7 @@ namespace embree
     double pixelSize, outsideFactor; //!< pixelSize: requested size of a quad at distance 1
     bool hasPicture;
     double transform[12];
+    Double3 forward;      //!< unit vector
     double size = 0.0;    //!< half of the picture's longer side, in world units at distance 1
     Double3 normals[4];   //!< normals of the picture's borders, outwards
     double offsets[4];    //!< distances of the borders from the eye along the normals; 0 in perspective
