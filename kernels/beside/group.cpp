@@ -65,7 +65,7 @@ void CbvhGroupTy::commit()
     throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
       std::to_string(numUnsupportedFaces)
         + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
-          "and at most 64 faces per vertex"};
+          "and at most 64 faces per vertex (63 at a border)"};
 }
 
 /* Called after each commit, because a later call could fail: if the commit of another group changes a surface's mask,

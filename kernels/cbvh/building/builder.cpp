@@ -296,8 +296,8 @@ namespace embree
                        "are stored as cVERT" << std::endl;
         if (statistics.sums.numRawBlocks)
           std::cerr << geometry << statistics.sums.numRawBlocks
-                    << " cVERT blocks store floats (because of a vertex that is not finite, a spacing that is too fine "
-                       "for their width, or a neighbor that GRID traces)" << std::endl;
+                    << " cVERT blocks store floats, because packing saves nothing, a vertex is not finite, or GRID "
+                       "traces a neighbor" << std::endl;
         if (statistics.sums.numInvalidQuads && !surface.isCage())
           std::cerr << geometry << statistics.sums.numInvalidQuads
                     << " quads with vertices that are not finite are left out" << std::endl;
@@ -305,7 +305,8 @@ namespace embree
           std::cerr << geometry << statistics.sums.numUnsupportedFaces << " faces, beginning with face "
                     << statistics.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
-                    << MAX_RING_FACE_VALENCE << " faces per vertex" << std::endl;
+                    << MAX_RING_FACE_VALENCE << " faces per vertex ("
+                    << MAX_RING_FACE_VALENCE-1 << " at a border)" << std::endl;
         if (statistics.sums.numMeshQuads)
           std::cerr << geometry << statistics.sums.numMeshQuads - statistics.sums.numIrregularQuads << " of "
                     << statistics.sums.numMeshQuads << " quads are in grids, "
