@@ -122,7 +122,7 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
     RTCDicingArguments outside = all;
     all.width = all.height = 0; // no picture bounds: all directions
     const float seen = surface.rates(all)[0];
-    // the surface is behind the camera, diagonally behind it, and beside the picture if that is narrow
+    // the surface is behind the camera, diagonally behind it, and to the right of a narrow picture
     const std::vector<Vec> directions = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 0.1f}};
     for (size_t i = 0; i < (width < 1 ? directions.size() : 4); i++) {
       SCOPED_TRACE(testing::Message() << "width " << width << ", direction " << i);
