@@ -31,10 +31,10 @@ typedef struct RTCCompressedFileTy* RTCCompressedFile;
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or that names a device or a pipe.
  * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed or changed since its commit, for a geometry that is
- * compressed only in part, because GRID stores faces with some edge rates, for a geometry from a file with a damaged
- * block, and if writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not reach the
- * application. Thread safety: several threads may save different geometries, also while rays are traced. No
- * thread may commit a geometry while it is saved. */
+ * compressed only in part, because GRID stores the rest, for a geometry from a file with a damaged block, and if
+ * writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not reach the application.
+ * Thread safety: several threads may save different geometries, also while rays are traced. No thread may commit a
+ * geometry while it is saved. */
 RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
 
 /* Loads a file with one geometry.
@@ -185,8 +185,8 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
  *
  * Returns the geometry, or NULL.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a damaged geometry. Thread safety: as
- * rtcLoadCompressedGeometry. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a geometry that is damaged or that
+ * the library does not support. Thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
 /* Reads a whole file, checks all blocks and compares the checksums. The time is that of reading the file from disk.
