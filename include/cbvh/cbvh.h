@@ -411,9 +411,9 @@ CBVH_API enum CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface,
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
 
 /* Loads a surface from a file. The surface is committed and has no input. The file is mapped: rays can be traced at
- * once, blocks that no ray visits stay on disk, and processes share the memory. Hits are equal to the bit to hits of
- * the saved surface. The file may be replaced or removed while the surface exists, but must not be written to or
- * truncated.
+ * once, blocks that no ray visits stay on disk, and processes share the memory. Two surfaces of one file in a process
+ * do not share it: put one surface into several groups instead. Hits are equal to the bit to hits of the saved surface.
+ * The file may be replaced or removed while the surface exists, but must not be written to or truncated.
  *
  * context: retained by the surface.
  * path:    of a regular file that contains one surface.
@@ -423,8 +423,9 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  * have up to 256 x 256 quads, and neighboring parts share equal floats only inside of a face.
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
- * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
- * visits them for the first time: damaged ones are left out, and the first one is reported to the error function. */
+ * truncated or altered, or contain several surfaces; the message states the reason. Blocks of a surface that moves are
+ * checked during the call, other blocks when a ray visits them for the first time: damaged ones are then left out, and
+ * the first one is reported to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */

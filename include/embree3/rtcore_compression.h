@@ -219,11 +219,13 @@ struct RTCCompressionStatistics
   size_t numBlocks;
   size_t numQuads;              // quads in blocks
   size_t numUncompressedQuads;  // quads in the same BVH that Embree's GRID traces instead
-  size_t numInvalidQuads;       // quads left out because a vertex is not finite
+  size_t numInvalidQuads;       // quads left out because a vertex is not finite, or an index of a mesh is past the
+                                // vertices
   size_t numAffineBlocks;       // blocks that have an affine frame because a projective frame was not possible
   size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: rays hit their box
   float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
-  size_t numRawBlocks;          // cVERT: blocks that store floats because of outliers or vertices that are not finite
+  size_t numRawBlocks;          // cVERT: blocks that store floats, because these need no more bytes or a vertex is not
+                                // finite
   float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
   float  maxVertexDeviation;    // cVERT, world units: largest distance of a stored vertex from the vertex that its face
                                 // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
