@@ -572,8 +572,8 @@ struct CbvhQuery
   void* filterUserPtr;         /* passed to the filter function */
 };
 
-/* Find closest hits. If a ray hits a surface at a distance below tfar, tfar becomes this distance and the hit is
- * written. All other members are unchanged.
+/* Find closest hits. If a ray hits a surface at a distance from tnear to tfar, tfar becomes this distance, and the hit
+ * is written. All other members are unchanged.
  *
  * cbvhIntersect1 returns 1 if the ray hits, otherwise 0. The packet functions return one bit per ray, bit 0 for the
  * first one.

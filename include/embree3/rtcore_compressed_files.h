@@ -24,8 +24,8 @@ typedef struct RTCCompressedFileTy* RTCCompressedFile;
  *           statistics. It does not store the mask, filters, user data, vertex attributes and the control cage.
  * path:     of the file. An existing file is replaced in one step after everything is written; it is unchanged if
  *           anything fails before. Symbolic links are followed, and permissions of the file are kept. A killed process
- *           leaves a file whose name continues with ".cbvh-part-" and digits. The next save to the same path removes
- *           it, unless another process is still writing it.
+ *           leaves a file whose name continues with ".cbvh-part-" and 16 hexadecimal digits. The next save to the same
+ *           path removes it, unless another process is still writing it.
  *
  * Returns true if the geometry was saved.
  *
@@ -189,7 +189,7 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
  * the library does not support. Thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
-/* Reads a whole file, checks all blocks and compares the checksums. The time is that of reading the file from disk.
+/* Reads a whole file, checks all blocks and compares the checksums. Takes as long as reading the file from disk.
  *
  * file: open.
  *
