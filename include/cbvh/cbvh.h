@@ -145,9 +145,9 @@ struct CbvhVertices
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
- * points, read and written. Ng: their normals, of length 1. u, v: parameters on the face, as for
- * cbvhInterpolateAttribute. Each coordinate has an array of its own. Several threads call the function at the same
- * time. */
+ * points, read and written. Ng: their normals, of length 1, or 0 where the surface has no normal. u, v: parameters on
+ * the face, as for cbvhInterpolateAttribute. Each coordinate has an array of its own. Several threads call the function
+ * at the same time. */
 struct CbvhDisplacementArguments
 {
   void* userPtr;
@@ -411,20 +411,21 @@ CBVH_API enum CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface,
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
 
 /* Loads a surface from a file. The surface is committed and has no input. The file is mapped: rays can be traced at
- * once, blocks that no ray visits stay on disk, and processes share the memory. Hits are equal to the bit to hits of
- * the saved surface. The file may be replaced or removed while the surface exists, but must not be written to or
- * truncated.
+ * once, blocks that no ray visits stay on disk, and processes share the memory. Two surfaces of one file in a process
+ * do not share it: put one surface into several groups instead. Hits are equal to the bit to hits of the saved surface.
+ * The file may be replaced or removed while the surface exists, but must not be written to or truncated.
  *
  * context: retained by the surface.
  * path:    of a regular file that contains one surface.
  * surface: written on success.
  *
- * The file may have any representation of Embree CBVH. Surfaces in cLEAF and cVOXEL have no triangles, and parts in
- * cGRID have up to 256 x 256 quads.
+ * The file may have any representation of Embree CBVH. Surfaces in cLEAF and cVOXEL have no triangles. Parts in cGRID
+ * have up to 256 x 256 quads, and neighboring parts share equal floats only inside of a face.
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
- * truncated or altered, or contain several surfaces; the message states the reason. Blocks are checked when a ray
- * visits them for the first time: damaged ones are left out, and the first one is reported to the error function. */
+ * truncated or altered, or contain several surfaces; the message states the reason. Blocks of a surface that moves are
+ * checked during the call, other blocks when a ray visits them for the first time: damaged ones are then left out, and
+ * the first one is reported to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */
@@ -452,9 +453,9 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  *
  * Returns CBVH_ERROR_INVALID_ARGUMENT, once per commit of a surface, in three cases: a displacement function returned
  * numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or faces at
- * their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces. The message names
- * the surface ("geometry" and its index) and the first face or grid, or the number of faces. The rest of the group is
- * committed and can be traced. */
+ * their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces, or 63 at a
+ * border, or fewer if these have more than 4 corners. The message names the surface ("geometry" and its index) and the
+ * first face or grid, or the number of faces. The rest of the group is committed and can be traced. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not
@@ -571,8 +572,8 @@ struct CbvhQuery
   void* filterUserPtr;         /* passed to the filter function */
 };
 
-/* Find closest hits. If a ray hits a surface at a distance below tfar, tfar becomes this distance and the hit is
- * written. All other members are unchanged.
+/* Find closest hits. If a ray hits a surface at a distance from tnear to tfar, tfar becomes this distance, and the hit
+ * is written. All other members are unchanged.
  *
  * cbvhIntersect1 returns 1 if the ray hits, otherwise 0. The packet functions return one bit per ray, bit 0 for the
  * first one.
@@ -671,8 +672,8 @@ enum CbvhClusterFormat
 enum CbvhClusterReason
 {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores these vertices with the precision of floats, which no
-                                        * lattice of the format represents */
+  CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores floats, or more than 14 bits on an axis, and no lattice of
+                                        * the format represents these vertices */
   CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                         * belong to a moving mesh block */
   CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
@@ -718,8 +719,9 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  * Each block is decoded when its clusters are passed.
  *
  * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
- * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left
- * out, because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
+ * are no cracks between clusters, with cGRID inside of a face. Triangles with a vertex that is not finite, or with two
+ * equal vertices, are left out, because no ray hits them. Clusters that the format cannot represent have floats, and
+ * their reason is set.
  *
  * surface:    committed.
  * time:       of rays. Ignored for a surface that does not move. At a time step, vertices are on their lattice.

@@ -26,8 +26,8 @@ enum RTCCompressedClusterReason
 {
   /* the cluster has the requested format */
   RTC_COMPRESSED_CLUSTER_REASON_NONE = 0,
-  /* the geometry stores these vertices with the precision of floats, which no lattice of the format represents: cGRID,
-   * and raw or lossless cVERT */
+  /* the geometry stores floats (cGRID, and some blocks of cVERT), or cVERT of more than 14 bits on an axis, and no
+   * lattice of the format represents these vertices */
   RTC_COMPRESSED_CLUSTER_REASON_FLOATS = 1,
   /* the vertices are interpolated between two time steps, not on a lattice, or belong to a moving mesh block */
   RTC_COMPRESSED_CLUSTER_REASON_MOVING = 2,
@@ -76,8 +76,9 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * Each block is decoded when its clusters are passed.
  *
  * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
- * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left out,
- * because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
+ * are no cracks between clusters, with cGRID inside of a face. Triangles with a vertex that is not finite, or with two
+ * equal vertices, are left out, because no ray hits them. Clusters that the format cannot represent have floats, and
+ * their reason is set.
  *
  * geometry:   stored as cVERT or cGRID, as for rtcForEachCompressedPart.
  * time:       of rays. Ignored for geometry that does not move. At a time step, vertices are on their lattice.

@@ -24,17 +24,17 @@ typedef struct RTCCompressedFileTy* RTCCompressedFile;
  *           statistics. It does not store the mask, filters, user data, vertex attributes and the control cage.
  * path:     of the file. An existing file is replaced in one step after everything is written; it is unchanged if
  *           anything fails before. Symbolic links are followed, and permissions of the file are kept. A killed process
- *           leaves a file whose name continues with ".cbvh-part-" and digits. The next save to the same path removes
- *           it, unless another process is still writing it.
+ *           leaves a file whose name continues with ".cbvh-part-" and 16 hexadecimal digits. The next save to the same
+ *           path removes it, unless another process is still writing it.
  *
  * Returns true if the geometry was saved.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or that names a device or a pipe.
  * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed or changed since its commit, for a geometry that is
- * compressed only in part, because GRID stores faces with some edge rates, for a geometry from a file with a damaged
- * block, and if writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not reach the
- * application. Thread safety: several threads may save different geometries, also while rays are traced. No
- * thread may commit a geometry while it is saved. */
+ * compressed only in part, because GRID stores the rest, for a geometry from a file with a damaged block, and if
+ * writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not reach the application.
+ * Thread safety: several threads may save different geometries, also while rays are traced. No thread may commit a
+ * geometry while it is saved. */
 RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
 
 /* Loads a file with one geometry.
@@ -185,11 +185,11 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsi
  *
  * Returns the geometry, or NULL.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a damaged geometry. Thread safety: as
- * rtcLoadCompressedGeometry. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a geometry that is damaged or that
+ * the library does not support. Thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
-/* Reads a whole file, checks all blocks and compares the checksums. The time is that of reading the file from disk.
+/* Reads a whole file, checks all blocks and compares the checksums. Takes as long as reading the file from disk.
  *
  * file: open.
  *

@@ -32,8 +32,8 @@
  * that changed since the last commit, and the message names the geometry and its first such face or grid. Vertices in
  * buffers that are not finite are not an error, as in Embree. cVOXEL stores patches with left-out quads as cLEAF.
  *
- * Surfaces are watertight: one of the faces that share an edge or a corner owns it, and all of them use the vertices
- * that the owner evaluates. cLEAF requires fallbackFaces for this. Grids of one geometry are watertight where they
+ * Surfaces in cVERT, and in cLEAF with fallbackFaces, are watertight: one of the faces that share an edge or a corner
+ * owns it, and all of them use the vertices that the owner evaluates. Grids of one geometry are watertight where they
  * share border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
@@ -219,11 +219,13 @@ struct RTCCompressionStatistics
   size_t numBlocks;
   size_t numQuads;              // quads in blocks
   size_t numUncompressedQuads;  // quads in the same BVH that Embree's GRID traces instead
-  size_t numInvalidQuads;       // quads left out because a vertex is not finite
+  size_t numInvalidQuads;       // quads left out because a vertex is not finite, or an index of a mesh is past the
+                                // vertices
   size_t numAffineBlocks;       // blocks that have an affine frame because a projective frame was not possible
   size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: rays hit their box
   float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
-  size_t numRawBlocks;          // cVERT: blocks that store floats because of outliers or vertices that are not finite
+  size_t numRawBlocks;          // cVERT: blocks that store floats, because these need no more bytes or a vertex is not
+                                // finite
   float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
   float  maxVertexDeviation;    // cVERT, world units: largest distance of a stored vertex from the vertex that its face
                                 // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
@@ -235,8 +237,9 @@ struct RTCCompressionStatistics
   size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads
   size_t numMovingQuads;        // quads with several time steps
   size_t motionBytes;           // the part of leafBytes for all time steps but the first
-  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: faces with 1, 2
-                                // or more than 16 corners, or with a vertex that has more than 64 faces or such a face
+  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: they, or faces at
+                                // their vertices, have 1, 2 or more than 16 corners, or one of their vertices has more
+                                // than 64 faces, or 63 at a border, or fewer if these have more than 4 corners
   size_t inputBytes;            // buffers of compressed geometries that Embree allocated and that were not released,
                                 // and Embree's copies of their topology
   size_t cacheBytesPerThread;   // largest size of the caches in which each tracing thread keeps decoded blocks; threads

@@ -44,7 +44,7 @@
  * or 1, as VkBool32. The manual page of a function names the version since which the function is available.
  *
  * Cost: the first closest-hit and the first any-hit trace of a scene compile a shader, unless an earlier scene with the
- * same kinds of leaves and the same stackSize did. Compiled shaders are kept in the folder embree-cbvh of
+ * same kinds of leaves, stackSize and traversal did. Compiled shaders are kept in the folder embree-cbvh of
  * $XDG_CACHE_HOME, or of ~/.cache, between runs.
  *
  * Thread safety: any thread may call any function, also for the same object, with these restrictions: a command buffer
@@ -136,7 +136,8 @@ RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device);
 
 /* Return the description and the handles of a device.
  *
- * info, handles: written during the call, not NULL; structSize is read.
+ * info, handles: written during the call, not NULL; structSize is read. Handles that rtcNewVulkanDevice opened are
+ *                valid while the device exists.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. */
 RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
@@ -186,10 +187,11 @@ struct RTCVulkanSceneArguments
  * with linear transforms are supported, except for irregular meshes. Any other enabled geometry is an error that names
  * the geometry or what is not supported.
  *
- * A scene for ray queries has a bottom-level structure for each geometry, with boxes in Morton order. Structures of
- * geometry that did not change since another scene on the device was created are not built again. Rays of the
- * library's shaders may start at a distance of up to 20 times the size of a geometry, or 20 times its distance from the
- * origin if that is larger. At larger distances, the driver's arithmetic may miss boxes.
+ * A scene for ray queries has a bottom-level structure for each geometry, but one for all triangle meshes of a scene,
+ * and further ones for each moving instance. Boxes are in Morton order. Structures of geometry that did not change
+ * since another scene on the device was created are not built again. Rays of the library's shaders may start at a
+ * distance of up to 20 times the size of a geometry, or 20 times its distance from the origin if that is larger. At
+ * larger distances, the driver's arithmetic may miss boxes.
  *
  * device: of the new scene.
  * scene:  committed.
@@ -219,16 +221,16 @@ RTC_API VkDeviceAddress rtcGetVulkanSceneAddress(RTCVulkanScene scene);
  * CBVH_LEAF_KINDS as this mask contains code for no other kinds. */
 RTC_API unsigned int rtcGetVulkanSceneLeafKinds(RTCVulkanScene scene);
 
-/* Lists the instances that place a scene in a top-level structure of the application: one for each geometry, and one
- * for each geometry of each instanced scene.
+/* Lists the instances that place a scene in a top-level structure of the application: one for each bottom-level
+ * structure of the scene itself, and for each instance in the scene, one for each structure of the instanced scene.
  *
  * scene:     created for ray queries.
  * instances: array of `capacity` entries, or NULL.
  *
  * Returns the number of instances, which may exceed `capacity`. The mask of an instance is 0xFF, and its custom index
  * is read by cbvhIntersectCandidate: the application must not change it. Its transform is the transform of the instance
- * in the scene; the application may multiply it from the left by a transform of its own. The structures that instances
- * refer to live as long as the scene.
+ * in the scene, and the identity for a moving instance, whose boxes are in world space. The application may multiply it
+ * from the left by a transform of its own. The structures that instances refer to live as long as the scene.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the scene was not created for ray
  * queries. */
@@ -285,7 +287,7 @@ RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer comma
  * rtcRecordVulkanOccluded do.
  *
  * rays:   device address, a multiple of 16. rtcRecordVulkanRayOrder accepts any rays that begin like an RTCRay.
- * stride: bytes from one ray to the next, a multiple of 4, at least 28.
+ * stride: bytes from one ray to the next, a multiple of 4, at least 28. stride*count is at most 2^34.
  * count:  of rays, at most 2^27.
  * order:  device address, a multiple of 16, of rtcGetVulkanRayOrderBytes(count) bytes. The functions that trace accept
  *         0, which traces without an order.

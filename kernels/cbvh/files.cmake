@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Files that are compiled once, for the lowest ISA.
+# Files that are compiled for the lowest ISA. cbvh_files() compiles some of them for further ISAs, too.
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
