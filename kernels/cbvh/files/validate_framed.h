@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False if a frame is not finite, or maps all points to one, as zeros do. */
+    /*! False if a frame is not finite, or its X, Y and Z do not depend on the point. */
     inline bool isFrame(const BlockHeader& header)
     {
       bool isZero = true;
