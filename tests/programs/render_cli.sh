@@ -347,6 +347,9 @@ refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"
 refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100
+run moving --scene cube --motion turn --representation grid,cgrid,cleaf-only,cvert
+grep -q "cgrid is stored as cVERT" "$folder/moving.err" && grep -q "cleaf-only is GRID" "$folder/moving.err" &&
+  ! grep -q "cvert is" "$folder/moving.err" || complain "moving models: $(cat "$folder/moving.err")"
 refuses "true-surface .*--motion" --scene cube --motion turn --true-surface 100
 refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
 expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \

@@ -50,6 +50,10 @@ MemoryPlan planOf(const Options& options, const Model& model, const BuildSetting
   }
   for (const std::string& line : plan.skipped)
     std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
+  for (const Representation& r : plan.built)
+    if (!model.poses.empty() && r.hasFrames())
+      std::fprintf(stderr, "cbvh_render: %s is %s, because blocks with frames do not move\n",
+                   optionNameOf(r.kind).c_str(), r.kind == RepresentationKind::CLeafOnly ? "GRID" : "stored as cVERT");
   return plan;
 }
 
