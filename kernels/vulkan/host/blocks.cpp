@@ -77,7 +77,7 @@ size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
   return bytes;
 }
 
-/* Uploads blocks to as few buffers as possible. expected: bytes of all blocks. */
+/* Uploads blocks to few large buffers. expected: upper bound of their bytes. */
 class BlockWriter
 {
 public:

@@ -40,14 +40,14 @@ struct BlockBuffers
   size_t bytes() const;   // counts shared buffers once
 };
 
-/* Both functions set the addresses of `blocks`. They throw VulkanError if a block that is new to the device is damaged,
- * because shaders do not check offsets. */
+/* Both functions set the addresses of `blocks`. They throw VulkanError if a block is damaged, because shaders do not
+ * check offsets. */
 
 /* Imports the host memory that contains the blocks, without a copy. The scene must keep this memory alive.
  * Throws VulkanError, too, if the driver rejects it. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 
-/* Uploads blocks that are not on the device yet. */
+/* Checks and uploads the blocks that are not on the device yet. */
 BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks);
 
 }} // namespace embree::vulkan

@@ -292,7 +292,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   return pipeline;
 }
 
-/* File that keeps compiled pipelines between runs of programs, or "" if there is no cache folder. */
+/* File that keeps compiled pipelines between runs of programs, or "" if neither XDG_CACHE_HOME nor HOME is set. */
 std::string Device::cachePath() const
 {
   const char* folder = std::getenv("XDG_CACHE_HOME");

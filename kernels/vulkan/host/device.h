@@ -73,8 +73,8 @@ public:
   /* Waits until a submission is done or the device is lost, and frees it. Never throws. */
   void waitAndFree(const Submission& submission);
 
-  /* Pipeline of trace.comp, compiled on the first call. kinds: mask of the types of references, to which the shader is
-   * specialized. stackSize: entries of the traversal stack; ray queries have none. */
+  /* Pipeline of trace.comp, compiled on the first call with these arguments. kinds: Scene::kinds. stackSize: entries of
+   * the traversal stack; ray queries have none. */
   VkPipeline pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 

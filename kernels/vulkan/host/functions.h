@@ -29,7 +29,7 @@ namespace embree { namespace vulkan {
   F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) \
   F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
 
-/* NULL unless the device was opened with VK_KHR_acceleration_structure. */
+/* NULL if constructed without hasRayQuery. */
 #define CBVH_STRUCTURE_FUNCTIONS(F) \
   F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
   F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
@@ -64,7 +64,7 @@ struct DeviceFunctions
 {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
   CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
-  /* NULL unless the device was opened with VK_EXT_external_memory_host. */
+  /* NULL if constructed without hasHostImport. */
   PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr;
 
   DeviceFunctions() = default;

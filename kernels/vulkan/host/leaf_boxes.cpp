@@ -52,7 +52,7 @@ class Leaves
 public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
-  /* Each leaf once, sorted by reference. The tree may contain a moving leaf once per time interval. */
+  /* Each leaf once, sorted by reference. Joins the bounds of equal references. */
   std::vector<std::pair<uint32_t, Bounds>> merged()
   {
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -92,7 +92,7 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* Distance by which boxes must grow for the rounding errors of drivers. (plane - origin)/direction in floats has three
+/* Distance by which boxes must grow for rounding errors of drivers. (plane - origin)*(1/direction) in floats has three
  * roundings, so a plane at distance D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for rays that
  * start 20 times as far away, with a margin for transforming the ray. */
 float roundingSlack(const Bounds& all)

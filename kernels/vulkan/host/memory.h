@@ -16,7 +16,7 @@ class Buffer
 public:
   enum Kind
   {
-    OnDevice,  // in the device's memory; mapped if it is also visible to the host
+    OnDevice,  // in the device's memory; mapped if that is host-visible and coherent
     Staging    // in the host's memory, mapped, for copies
   };
 
@@ -60,7 +60,8 @@ class Uploader
 public:
   explicit Uploader(Device& device) : device(device) {}
 
-  /* Copies the data at once; the device has it after flush(). offset: bytes from the start of the slice. */
+  /* Copies the data at once; the device has it after flush(). The buffer must exist until then. offset: bytes from the
+   * start of the slice. */
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
 
   /* Completes the writes and waits. */

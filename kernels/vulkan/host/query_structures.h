@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A scene's acceleration structures for ray queries: a bottom level of boxes (LeafBox) per geometry, and a top level of
- * instances. The driver finds boxes, and shaders/ray_query.glsl intersects their blocks. */
+/* A scene's acceleration structures for ray queries: bottom levels of boxes (LeafBox), and a top level of instances.
+ * The driver finds boxes, and shaders/ray_query.glsl intersects their blocks. */
 
 #include "leaf_boxes.h"
 #include "memory.h"
@@ -19,8 +19,8 @@ using cbvh::PlacedBoxes;
 
 struct QueryStructures
 {
-  /* Identifies a bottom level: number of the instanced scene (0: the scene itself), geomID there, and geomID of the
-   * moving instance that it belongs to, or RTC_INVALID_GEOMETRY_ID. */
+  /* Identifies a bottom level: number of the instanced scene (0: the scene itself), LeafBoxes::geomID there, and geomID
+   * of the moving instance that it belongs to, or RTC_INVALID_GEOMETRY_ID. */
   typedef std::tuple<size_t, uint32_t, uint32_t> LevelID;
   std::map<LevelID, std::shared_ptr<const BottomLevel>> levels;
   std::vector<VkAccelerationStructureInstanceKHR> instances;

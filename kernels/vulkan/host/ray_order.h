@@ -17,12 +17,12 @@ size_t rayOrderBytes(size_t count);
 struct RaysToOrder
 {
   VkDeviceAddress rays;      // each begins with origin, tnear and direction, as RTCRay
-  size_t rayBytes, count;    // count: not 0
+  size_t rayBytes, count;    // rayBytes: multiple of 4; count: not 0
   VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
 };
 
-/* Records the sort and a barrier. The result, sorted pairs (key, index), is at the beginning of scratch. pipelines:
- * from Device::makeOrderPipelines. Records nothing if it throws. */
+/* Records the sort, and a barrier before later compute shaders. The result, sorted pairs (key, index), is at the
+ * beginning of scratch. pipelines: from Device::makeOrderPipelines. Records nothing if it throws. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan

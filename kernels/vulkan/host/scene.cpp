@@ -155,7 +155,7 @@ private:
 
   /* --- blocks --- */
 
-  /* Imports or copies the blocks of all inputs, and sets `blocks`. */
+  /* Imports or copies the blocks of all inputs, and sets `firstBlock` and `blocks`. */
   void placeBlocks()
   {
     size_t count = 0;
@@ -268,7 +268,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference of input s to the shared arrays, and adds its type to out.kinds. */
+  /* Converts a reference of input s to the shared arrays, and adds the type of a block to out.kinds. */
   uint32_t renumbered(uint32_t reference, size_t s)
   {
     if (reference == emptyReference) return reference;

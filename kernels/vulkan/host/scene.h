@@ -28,16 +28,17 @@ public:
   Device& device;
   const ScopedRef<Device> held;       // first: the device must outlive the buffers
   VkDeviceAddress address = 0;   // device address of SceneData
-  uint32_t kinds = 0;            // mask of the types of references that the scene contains, without nodeReferenceType
+  uint32_t kinds = 0;            // mask of the types of references in the scene, without nodeReferenceType; runs of all
+                                 // lengths set the bit of firstRunReferenceType
   const bool usesRayQuery;
   RTCVulkanSceneStatistics statistics{};
 
-  /* Records the trace of `count` rays. pipeline: from Device::pipeline. rays: device address of RTCRayHit (CLOSEST_HIT)
-   * or RTCRay. order: scratch of recordRayOrder, or 0. */
+  /* Records the trace of `count` rays, without barriers. pipeline: from Device::pipeline. rays: device address of
+   * RTCRayHit (CLOSEST_HIT) or RTCRay. order: scratch of recordRayOrder, or 0. */
   void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
               VkDeviceAddress order = 0) const;
 
-  std::atomic<bool> sortsRays{false};   // used by Trace only
+  std::atomic<bool> sortsRays{false};   // see rtcSetVulkanSceneRaySorting
 
   const QueryStructures& queryStructures() const { return structures; }   // empty unless usesRayQuery
 
