@@ -340,6 +340,54 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
   }
 }
 
+// A tree contains moving blocks once per time interval, and instanced scenes may contain the surfaces of a scene.
+TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
+{
+  SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
+  settings.timeSteps = 9;
+  settings.motion = [](const Vec& p, unsigned i) { // around the z axis, in 8 steps
+    const double a = M_PI/4*i, x = p[0] + 3.0;
+    return Vec{float(x*std::cos(a) - p[1]*std::sin(a)), float(x*std::sin(a) + p[1]*std::cos(a)), p[2]};
+  };
+  Scene moving(embree);
+  addSurface(embree, moving, sheetCage(4), settings);
+  rtcCommitScene(moving);
+  RTCVulkanSceneStatistics statistics;
+  const VulkanScene uploaded = upload(moving, RTC_VULKAN_MEMORY_COPY);
+  ASSERT_TRUE(uploaded) << embree.message;
+  rtcGetVulkanSceneStatistics(uploaded.get(), &statistics);
+  EXPECT_EQ(statistics.numBlocks, statisticsOf(moving).numBlocks);
+  std::vector<RTCRayHit> rays;
+  for (int i = 0; i < 200; i++) {
+    const float time = float(i)/200, a = 2*float(M_PI)*time;
+    rays.push_back(makeRay({3*std::cos(a), 3*std::sin(a), 5}, {0.01f, 0.02f, -1}));
+    rays.back().ray.time = time;
+  }
+  expectAsOnTheCPU(moving, rays, traceAll(uploaded.get(), rays));
+
+  settings = smallSurface(RTC_COMPRESSION_CVERT);
+  settings.rate = 512; // a buffer of its own
+  Scene alone(embree), several(embree);
+  const RTCGeometry geometry = rtcGetGeometry(alone, addSurface(embree, alone, sheetCage(2), settings));
+  rtcCommitScene(alone);
+  rtcAttachGeometry(several, geometry);
+  std::vector<std::unique_ptr<Scene>> instanced;
+  for (int i = 1; i < 5; i++) {
+    instanced.emplace_back(new Scene(embree));
+    rtcAttachGeometry(*instanced.back(), geometry);
+    rtcCommitScene(*instanced.back());
+    attach(several, newInstance(embree, *instanced.back(), float(i)));
+  }
+  rtcCommitScene(several);
+  const RTCCompressionStatistics blocks = statisticsOf(alone);
+  const size_t blockBytes = blocks.headerBytes + blocks.nodeBytes + blocks.leafBytes;
+  ASSERT_GT(blockBytes, size_t(1) << 20);
+  const VulkanScene all = upload(several, RTC_VULKAN_MEMORY_COPY);
+  ASSERT_TRUE(all) << embree.message;
+  rtcGetVulkanSceneStatistics(all.get(), &statistics);
+  EXPECT_LT(statistics.deviceBytes - statistics.topLevelBytes, blockBytes*3/2);
+}
+
 TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
 {
   const SmallScene scene(embree, RTC_COMPRESSION_CVERT);

@@ -13,6 +13,7 @@
 #include "../stored/surface_blocks.h"
 #include <limits>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 namespace embree
@@ -138,6 +139,8 @@ namespace embree
                            "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
                            "faces lie in no grids; expected such meshes not to be compressed");
           const bool moves = type == MOVING_VERT_BLOCK;
+          uint32_t* const reference = moves ? &movingBlocks[data] : nullptr;
+          if (reference && *reference) return *reference;
           if (!moves && !isBlockValid(data,formatOfBlock(type)))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the scene cannot be flattened: the file of one of its geometries has a damaged block");
@@ -148,7 +151,9 @@ namespace embree
             : format == MESH_FORMAT ? meshBlockReferenceType
             : blockReferenceType(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
           out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,format),childType,ids[surface] });
-          return makeReference(childType,checkedIndex(out.ownBlocks.size()-1));
+          const uint32_t added = makeReference(childType,checkedIndex(out.ownBlocks.size()-1));
+          if (reference) *reference = added;
+          return added;
         }
 
         static uint32_t checkedIndex (size_t i)
@@ -162,6 +167,8 @@ namespace embree
         OwnedScene& out;
         const SurfaceIDs& ids;
         uint32_t depth = 0;
+        /*! References to blocks that were copied: a tree contains a moving block once per time interval. */
+        std::unordered_map<const void*,uint32_t> movingBlocks;
       };
 
       void copyTransform (const AffineSpace3fa& from, float* to)

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace embree { namespace vulkan {
 
@@ -70,10 +71,13 @@ struct BlockUpload
   size_t bytes() const { return (headerBytes + dataBytes + blockAlignment - 1) & ~size_t(blockAlignment - 1); }
 };
 
+/* Counts each block once. */
 size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
 {
   size_t bytes = 0;
-  for (const PlacedBlock* block : blocks) bytes += BlockUpload(*block->block).bytes();
+  std::unordered_set<const void*> counted;
+  for (const PlacedBlock* block : blocks)
+    if (counted.insert(block->block->data).second) bytes += BlockUpload(*block->block).bytes();
   return bytes;
 }
 
