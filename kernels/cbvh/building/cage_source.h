@@ -74,8 +74,8 @@ namespace embree
           });
       }
 
-      /*! A face with control vertices that are not finite is skipped without an error, as in Embree. Invalid quads come
-       *  from displacement functions. */
+      /*! A face without a surface at all steps is skipped without an error, as in Embree. Invalid quads come from
+       *  displacement functions, and from control vertices that are not finite at some steps. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }

@@ -89,7 +89,7 @@ namespace embree
       };
 
     private:
-      static const size_t quadsPerTask = 1 << 14; //!< at most so many on average, so that tasks have similar costs
+      static const size_t quadsPerTask = 1 << 14; //!< on average, a task has at most one grid more than these
 
       template<typename Value>
       size_t sumOverGrids (const Value& value) const

@@ -245,7 +245,8 @@ namespace embree
           }
         }
 
-        /*! True if the last step of a block is at this time. Otherwise the next child begins there. */
+        /*! True if the widened range of a block ends by this time. Other blocks are also in the next child, if any,
+         *  which begins there. */
         static bool endsAtTime (const BuildRecord& record, float time)
         {
           for (size_t i=record.prims.begin(); i!=record.prims.end(); i++)

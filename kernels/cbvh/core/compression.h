@@ -28,7 +28,7 @@ namespace embree
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
     /*! True if a geometry has blocks. After a change it has them until its next commit. Thread safety: no other thread
-     *  may commit the geometry during this call. Cost: constant. */
+     *  may commit the geometry or a scene that contains it during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why the last commit left a geometry to Embree's kernels although it requests compression: a static text
@@ -36,8 +36,8 @@ namespace embree
      *  primitives. Thread safety: as hasBlocks(). */
     const char* reasonNotCompressed (Geometry* geometry);
 
-    /*! Returns how many faces a geometry's blocks leave out, as Embree's subdivision does; 0 without blocks. Thread
-     *  safety: no other thread may commit the geometry during this call. Cost: constant. */
+    /*! Returns how many faces a geometry's blocks leave out, as Embree's subdivision does; 0 without blocks, and for
+     *  geometry from a file. Thread safety: as hasBlocks(). Cost: constant. */
     size_t numUnsupportedFaces (Geometry* geometry);
 
     /*! Returns the statistics of the last commit of a scene, without instanced scenes; all zero if it has no compressed

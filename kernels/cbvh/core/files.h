@@ -41,7 +41,7 @@ namespace embree
        *  of the geometries. */
       CompressedFileWriter (Device* device, const char* path, uint64_t key);
 
-      /*! Removes an uncommitted file, or keeps it if the writer has a key. */
+      /*! Removes an uncommitted file, or keeps it if the writer has a key and wrote geometries. */
       ~CompressedFileWriter ();
 
       CompressedFileWriter (const CompressedFileWriter&) = delete;
