@@ -262,6 +262,35 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
   rtcReleaseGeometry(geometry);
 }
 
+// The builder splits time, because the sheet moves fast around the z axis. Rays at its center, at both ends and between.
+TEST(MovingSurfacesInTime, SplitTimeIncludesItsEnds)
+{
+  Device device;
+  const std::vector<std::pair<float, float>> ranges = {{0, 1}, {0, 2}, {-1, 1}, {-1, 3}, {0, 1.0625f}, {0.25f, 0.75f}};
+  for (const auto& range : ranges) {
+    SurfaceSettings settings = smooth(9, 0, 1);
+    settings.rate = 8;
+    settings.begin = range.first;
+    settings.end = range.second;
+    settings.motion = [](const Vec& p, unsigned i) {
+      const double a = M_PI/4*i, x = p[0] + 3.0;
+      return Vec{float(x*std::cos(a) - p[1]*std::sin(a)), float(x*std::sin(a) + p[1]*std::cos(a)), p[2]};
+    };
+    const SurfaceScene scene(device, sheetCage(4), settings);
+    for (int i = 0; i <= 64; i++) {
+      const float time = float(i)/64, step = 8*(time - range.first)/(range.second - range.first);
+      const Vec from = settings.motion({0.1f, 0.1f, 0}, unsigned(std::clamp(std::floor(step), 0.0f, 8.0f)));
+      const Vec to = settings.motion({0.1f, 0.1f, 0}, unsigned(std::clamp(std::ceil(step), 0.0f, 8.0f)));
+      const float f = step - std::floor(step);
+      RTCRayHit ray = makeRay({from[0] + f*(to[0] - from[0]), from[1] + f*(to[1] - from[1]), 5}, {0, 0, -1});
+      ray.ray.time = time;
+      EXPECT_EQ(isHit(intersect(scene, ray)), 0 <= step && step <= 8)
+        << "range " << range.first << " to " << range.second << ", time " << time;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 // With and without other geometry that Embree traces.
 TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
 {
