@@ -181,7 +181,7 @@ void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned 
     if (isAccepted) instanced.numTransforms = buffer.count;
   }
   else if (isAccepted && buffer.format == RTC_FORMAT_UINT) instanced.indices = buffer;
-  else if (data != instanced.indices.data) instanced.indices = Buffer(); // not the application's data
+  else if (data != instanced.indices.data) instanced.indices = Buffer(); // Embree no longer has the recorded buffer
 }
 
 void Objects::commitArray(RTCGeometry geometry)

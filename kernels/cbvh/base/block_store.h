@@ -33,7 +33,8 @@ namespace embree
     class BlockStore
     {
     public:
-      cbvh::WorldBounds hitBounds;  //!< bounds of everything that rays can hit
+      /*! Bounds of all that rays can hit in the blocks. Writers extend it; commit() and addPrimitive() do not. */
+      cbvh::WorldBounds hitBounds;
 
       /*! memory: memory of the surface, or null for a trial, after which flush() must not be called. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
@@ -85,7 +86,8 @@ namespace embree
         used = 0;
       }
 
-      /*! Adds a primitive that is not in the buffer. reference: a leaf of the top-level tree (BVH4::NodeRef). */
+      /*! Adds a primitive that is not in the buffer, before the primitives of buffered blocks: call flush() first to
+       *  keep the order of patches. reference: a leaf of the top-level tree (BVH4::NodeRef). */
       void addPrimitive (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;

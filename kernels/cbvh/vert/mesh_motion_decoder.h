@@ -4,8 +4,9 @@
 #pragma once
 
 /* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends: first the boxes of all
- * groups, then half a group at a time, for moving_mesh.h. Boxes have no sheared axis, because steps have different
- * spacings. cvert/decoder/mesh_step_view.h is the scalar reference. */
+ * groups, then half a group at a time, for moving_mesh.h. Decoded boxes have no sheared axis, because steps have
+ * different spacings. The scalar references are cvert/decoder/mesh_view.h for the first step and mesh_step_view.h for
+ * later steps. */
 
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
@@ -22,7 +23,7 @@ namespace embree
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
           : MeshDecoder(block), block(block), numGroups(meshGroups(block->counts)) {}
 
-        /*! Decodes the entry of a block in a segment, except for out.key. */
+        /*! Decodes the entry of a block in a segment, except for out.key and out.first.block. */
         void decode (uint32_t segment, MeshSegmentEntry& out) const
         {
           MeshDecoder::decode(out.first);
@@ -36,7 +37,7 @@ namespace embree
             }
             if (step) decodeFields(*step,out.steps[e]);
           }
-          for (int k=0; k<3; k++) // origins and planes are rounded between the ends
+          for (int k=0; k<3; k++) // interpolation rounds origins and planes
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
         }
 

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* CachedMeshBlock for moving blocks, at a time between two steps, by the interpolation of moving_block.h. */
+/* CachedMeshBlock for moving blocks, at a time between two steps. Interpolates between the ends of a segment as
+ * MovingVertBlock does (moving_block.h explains why surfaces stay watertight). */
 
 #include "cached_mesh.h"
 #include "interpolation.h"

@@ -26,6 +26,7 @@ namespace embree
 
         __forceinline CellVector () {}
 
+        /*! Sets only the last vertex. With AVX-512 sets nothing: the last vertex is a lane of at[1]. */
 #if defined(__AVX512F__)
         __forceinline explicit CellVector (const vfloatV&) {}
 #else
@@ -83,7 +84,7 @@ namespace embree
             v.at[1]);
         }
 
-        /*! Corner c (column + 2 row) of the quads in vector j. */
+        /*! at(j,c): corner c (column + 2 row) of the quads in vector j. */
         __forceinline vfloatV at (int, int c) const {
           return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? upperRight
             : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),

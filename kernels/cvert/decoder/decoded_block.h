@@ -11,7 +11,7 @@
 namespace cvert { inline namespace CVERT_ISA
 {
   /*! Vertices of a block at a time step. SIMD decoders must return the same floats. The block must be valid
-   *  (validateVert) and outlive this object. */
+   *  (validateVert) and outlive this object. Reads up to vertReadPadding bytes after the block. */
   class DecodedBlock
   {
   public:
@@ -47,8 +47,9 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! Box of group g at the step, see BoxPlanes. Later steps that are raw have none. info, margins: of the segment
-     *  that begins or ends with the step; by default, of the first segment. */
+    /*! Box of group g at the step, see BoxPlanes. Later steps that are raw have none; steps that are not raw have
+     *  none in a segment whose other end is raw. info, margins: of the segment that begins or ends with the step.
+     *  Without them, the box is of the first segment, so the step must be 0 or 1. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->info,(const uint8_t*)block + layout.margins,lower,upper);
     }

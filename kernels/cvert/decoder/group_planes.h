@@ -15,8 +15,9 @@ CVERT_BEGIN
  *  relative to the step's origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. info: of the
- *  segment that begins or ends with the step. margins: the group's byte for the axis. */
+/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. info: of
+ *  the block, or, if it moves, of the segment that begins or ends with the step. c00 to c11: coordinates of the
+ *  corners. margins: the group's byte for the axis. */
 CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t info, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {

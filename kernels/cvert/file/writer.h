@@ -39,7 +39,8 @@ namespace cvert
 
     /*! Calls append() for a cVERT block, adds it to the list, and extends the record's bounds by its vertices; the
      *  first block replaces them. Throws Error if record.form is not FILE_LIST or FILE_MOVING, or if the block is
-     *  damaged, contradicts the record, or has no finite vertex. */
+     *  damaged, unsupported, contradicts the record, or has no finite vertex. bytes: size of the block; vertReadPadding
+     *  bytes after it must be readable. */
     void appendToList (const void* block, uint32_t bytes);
 
   private:
@@ -50,14 +51,16 @@ namespace cvert
   };
 
   /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, add() and commit()
-   *  throw again. */
+   *  throw again. If only the renaming fails, commit() can be called again. */
   class FileWriter
   {
   public:
+    /*! Starts a file. Throws if `path` is a folder, a device, a pipe or an open descriptor, or cannot be written. */
     explicit FileWriter (const std::string& path);
 
     /*! Starts a file, or continues one that a writer with the same key did not commit. key: identifies the source of
-     *  the geometries. Throws if the file has another key or is damaged, or another writer has it open. */
+     *  the geometries. Throws as above, or if the unfinished file has another key or version, is damaged, is of
+     *  another kind, or is open in another writer. */
     FileWriter (const std::string& path, uint64_t key);
 
     /*! With a key, tries to write a checkpoint of all geometries, and keeps a file that has a checkpoint. Deletes other
