@@ -128,6 +128,23 @@ TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey)
   EXPECT_EQ(resumed == bytesOf(path), true);
 }
 
+TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported)
+{
+  for (int error : {EINVAL, EROFS, EIO}) {
+    SCOPED_TRACE(strerror(error));
+    fsyncError = error;
+    RTCCompressedFileWriter writer = resume();
+    append(writer, 0);
+    const bool isWritten = rtcCommitCompressedFileWriter(writer);
+    rtcReleaseCompressedFileWriter(writer);
+    fsyncError = 0;
+    EXPECT_EQ(isWritten, error != EIO);
+    EXPECT_EQ(access(path.c_str(), F_OK) == 0, error != EIO);
+    EXPECT_EQ(device.takeError(), error == EIO ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_NONE) << device.message;
+    unlink(path.c_str());
+  }
+}
+
 TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush)
 {
   begin();

@@ -7,6 +7,7 @@
  * include this header. */
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <sys/syscall.h>
@@ -16,6 +17,7 @@ namespace cbvh::test {
 
 // write() stores this many bytes in all, and kills the process when more follow; never if negative
 inline std::atomic<long> bytesUntilKill{-1};
+inline std::atomic<int> fsyncError{0};       // of each call; 0: the call is made
 inline std::atomic<unsigned> renameDelay{0}; // microseconds
 inline std::atomic<unsigned> renameCalls{0};
 
@@ -30,6 +32,12 @@ extern "C" ssize_t write(int file, const void* data, size_t bytes)
   }
   if (bytesUntilKill >= 0) bytesUntilKill -= long(bytes);
   return syscall(SYS_write, file, data, bytes);
+}
+
+extern "C" int fsync(int file)
+{
+  errno = cbvh::test::fsyncError;
+  return errno != 0 ? -1 : int(syscall(SYS_fsync, file));
 }
 
 extern "C" int rename(const char* from, const char* to) noexcept

@@ -69,6 +69,11 @@ namespace cvert
       });
   }
 
+  /*! Writes a file to the disk. Returns 0 or an error, but 0 on file systems that do not support this. */
+  inline int flushToDisk (int file) {
+    return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
+  }
+
   class UnfinishedFile
   {
   public:
@@ -125,7 +130,7 @@ namespace cvert
      *  renamed. */
     void commit ()
     {
-      if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
+      if (const int error = flushToDisk(file)) throwErrno(error);
       if (::rename(name.c_str(),output.path.c_str()) != 0) throwErrno(errno);
       ::close(file);
       file = -1;

@@ -248,9 +248,9 @@ namespace cvert
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
     // the header of a resumable file must only refer to data on the disk
-    int error = isResumable && ::fsync(file->descriptor()) != 0 ? errno : 0;
+    int error = isResumable ? flushToDisk(file->descriptor()) : 0;
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
-    if (!error && ::fsync(file->descriptor()) != 0) error = errno;
+    if (!error) error = flushToDisk(file->descriptor());
     if (error) failToWrite(error);
     checkpointedBytes = writtenBytes;
   }
