@@ -65,7 +65,8 @@ static bool isFramedSetting(const std::string& item)
   return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
 
-/* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. */
+/* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. The last of several items
+ * that turn compression on or off decides. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
@@ -74,7 +75,8 @@ static bool parse(const std::string& item, Options& options)
     if (item == "verbose" || item == "release_input") return true;
     if (item == "0" || item == "none") { options.isOn = false; return true; }
     const std::string name = embree::lowerCase(item);
-    return name == "1" || name == "vert" || name == "cvert" || name == "cbvh.vert";
+    if (name != "1" && name != "vert" && name != "cvert" && name != "cbvh.vert") return false;
+    return options.isOn = true;
   }
   const std::string key = item.substr(0, equals), value = item.substr(equals + 1);
   if (key == "max_error") return parseDistance(value, options.maxError);
@@ -88,6 +90,7 @@ const Options& options()
 {
   static const Options options = [] {
     Options read;
+    bool isInvalid = false;
     const char* const text = std::getenv("EMBREE_CBVH");
     std::istringstream items(text ? text : "");
     std::string item;
@@ -97,16 +100,18 @@ const Options& options()
       item = item.substr(begin, end - begin + 1);
       if (parse(item, read)) continue;
       if (isFramedSetting(item)) {
+        if (item.find('=') == std::string::npos) read.isOn = true; // a representation
         warnOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
         continue;
       }
-      read.isOn = false; // libembree3 of this project rejects the item, too
+      isInvalid = true; // libembree3 of this project rejects the item, too
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
       const std::string error = nearest == key ? "has no valid value." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
                item.c_str(), error.c_str());
     }
+    read.isOn &= !isInvalid;
     return read;
   }();
   return options;
