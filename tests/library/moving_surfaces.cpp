@@ -262,7 +262,7 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
   rtcReleaseGeometry(geometry);
 }
 
-// The builder splits time, because the sheet moves fast around the z axis. Rays at its center, at both ends and between.
+// The builder splits time, because the sheet moves fast around the z axis. Rays at its center, at ends and between.
 TEST(MovingSurfacesInTime, SplitTimeIncludesItsEnds)
 {
   Device device;
