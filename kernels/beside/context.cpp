@@ -92,7 +92,6 @@ Failure embree::beside::caughtFailure()
   return failure;
 }
 
-/* Moves texts, because copies allocate: the destructor must not throw. */
 ErrorScope::ErrorScope(bool collects)
   : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})), outerCollects(collectsErrors)
 {
@@ -101,7 +100,7 @@ ErrorScope::ErrorScope(bool collects)
 
 ErrorScope::~ErrorScope()
 {
-  pendingError = std::move(outer);
+  pendingError = std::move(outer); // a copy would allocate, and could throw
   collectsErrors = outerCollects;
 }
 

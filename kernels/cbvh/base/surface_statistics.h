@@ -24,18 +24,18 @@ namespace embree
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< quads in blocks
       size_t numUncompressedQuads = 0; //!< traced by Embree's GRID
-      size_t numInvalidQuads = 0;      //!< with vertices that are not finite
-      size_t numAffineBlocks = 0;      //!< with frames: the projective frame was ill-conditioned
+      size_t numInvalidQuads = 0;      //!< left out: a vertex is not finite, or an index is out of range
+      size_t numAffineBlocks = 0;      //!< with an affine frame, where no projective frame was possible
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numFallbackQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
-      size_t numFlippedQuads = 0;      //!< traced normal over 90 degrees from the vertices'
+      size_t numFlippedQuads = 0;      //!< stored normal differs by over 90 degrees from the evaluated vertices'
       size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
       size_t numIrregularQuads = 0;    //!< of these, in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps
       size_t motionBytes = 0;          //!< of leafBytes, for time steps after the first
       size_t numUnsupportedFaces = 0;  //!< left out, as by Embree's subdivision
-      /*! Input of compressed geometries that Embree allocated and did not release. */
+      /*! Buffers of compressed geometries that Embree allocated and did not release, and its copies of topology. */
       size_t inputBytes = 0;
       size_t cacheBytesPerThread = 0;  //!< of a tracing thread; 0 for single surfaces
       float maxLeafThickness = 0;      //!< largest distance between a leaf's bounds
@@ -82,7 +82,8 @@ namespace embree
           [](float& most, float value) { most = std::max(most,value); });
     }
 
-    /*! Statistics of one surface. Members other than sums are for messages. */
+    /*! Statistics of one surface, or of a part of it. Members other than sums are for messages; framed/writer.h also
+     *  rejects a patch by its framelessQuads. */
     struct SurfaceStatistics
     {
       CompressionStatistics sums;

@@ -73,8 +73,8 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! Rate of a row (d = 0) or column (d = 1) of vertices: of the edge, on an edge of the patch, otherwise the
-         *  number of quads. across: number of the row or column in the patch. */
+        /*! Rate along a row (d = 0) or column (d = 1) of vertices. Returns the edge's stored rate if the row or column
+         *  is an edge of the patch, otherwise patchQuads[d]. across: index of the row or column in the patch. */
         uint32_t rate (int d, uint32_t across) const {
           return hasEdgeRates && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
             : hasEdgeRates && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
@@ -142,8 +142,8 @@ namespace embree
       }
 
       /*! Finds the triangle of a hit by its primitive and parameters. As rounding can move these across an edge, it
-       *  accepts triangles near (u,v) and selects the one whose normal has the smallest angle with Ng, or the nearest
-       *  one in parameter space if Ng is null. */
+       *  accepts triangles near (u,v). Among these, it selects the one whose normal or negative normal is closest to
+       *  Ng, or the nearest one in barycentric coordinates if Ng is null. */
       class Search
       {
       public:
@@ -271,7 +271,8 @@ namespace embree
           }
         }
 
-        /*! Returns the squared sine of the angle between the line of a triangle's normal and Ng; 2 if one is zero. */
+        /*! Returns the squared sine of the angle between a triangle's normal and Ng, which ignores the sign of the
+         *  normal. Returns 2 if either vector is zero. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -346,7 +347,7 @@ namespace embree
       return search.found();
     }
 
-    /*! forEachPart() for a mesh block. Returns the last result of closure. */
+    /*! forEachPart() for a mesh block. Returns false if closure returned false. */
     static bool forEachMeshPart (const StoredBlock& block, const TraversalTime& time,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

@@ -9,10 +9,12 @@
  * - Programs that split quads begin all first triangles at one corner, and all second triangles at one corner. The
  *   shared edge is then edge e of all first triangles, and edge f of all second ones. If several e and f are possible,
  *   the longest edge is chosen, as the quads' diagonal.
- * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid.
+ * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid. Triangles that
+ *   the first search left alone are paired in the same way, but only across edges e and f.
  *
- * Both search only across edges that exactly two triangles, with consistent winding, share. If triangles t of both
- * halves of the index buffer share an edge for nearly all t, they are paired without this search. */
+ * Both search only across edges that exactly two triangles, with consistent winding, share. If triangle t of the first
+ * half of the index buffer and triangle t of the second half share an edge, for nearly all t, then these are paired
+ * without a search. */
 
 #include "../embree/scene.h"
 #include "welded_vertices.h"

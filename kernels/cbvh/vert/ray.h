@@ -43,8 +43,8 @@ namespace embree
       /*! The nearest hit of a ray in cVERT and mesh blocks. */
       struct NearestVertHit
       {
-        const VertHeader* block; //!< null without a hit
-        uint32_t triangle;       //!< 32 times the lane of the group, plus the triangle in the group
+        const VertHeader* block; //!< null without a hit; points to a MeshHeader in mesh blocks, see cached_mesh.h
+        uint32_t triangle;       //!< see TriangleKey::triangle
         float t;
 
         __forceinline NearestVertHit () : block(nullptr) {}
@@ -68,7 +68,7 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< kz: axis of the largest component of dir, then the next axes kx and ky
         float sx, sy;     //!< shear: dir[kx]/dir[kz] and dir[ky]/dir[kz]
-        uint32_t negativeAxes; //!< bit k: rcp[k] is negative
+        uint32_t negativeAxes; //!< bits 0..2: rcp[k] is negative; the other bits are undefined
         VertCache* cache; //!< cache of the calling thread
 
         mutable NearestVertHit nearest; //!< updated by accepted hits

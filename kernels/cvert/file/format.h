@@ -32,7 +32,7 @@ namespace cvert
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    uint32_t vertVersion, framedVersion;   //!< newest version of cVERT and mesh blocks, fileFramedVersion
+    uint32_t vertVersion, framedVersion;   //!< newest version of the file's cVERT and mesh blocks, fileFramedVersion
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
     uint64_t fileBytes, directory;         //!< size of the file, offset of the records of geometries
     uint32_t directoryChecksum;
@@ -79,7 +79,7 @@ namespace cvert
   struct FileNode
   {
     uint64_t children[4];
-    float planes[3][2][4];                 //!< of each child, by axis, lower and upper
+    float planes[3][2][4];                 //!< boxes: [axis][lower, upper][child]; zeros for FILE_NONE
   };
   static_assert(sizeof(FileNode) == 128,"node of a file");
 

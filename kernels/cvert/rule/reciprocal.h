@@ -11,8 +11,9 @@
 CVERT_BEGIN
 
 /*! Reciprocal of component d of a direction. largest: magnitude of the largest component. Both must be finite. Clamps
- *  magnitudes to at least 1e-18 of the largest, far below the precision of floats, and to 2^-126 (the smallest normal
- *  float) and 2^125. The result is normal and not 0: its product with any distance, also 0 or infinity, is a number. */
+ *  the magnitude of d to at least 1e-18 * largest, which is far below the precision of floats. Also clamps it to the
+ *  range from 2^-126, the smallest normal float, to 2^125. The result is therefore normal and not 0, and its product
+ *  with any distance, also 0 or infinity, is not NaN. */
 CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
 {
   Real least = maximum(Real(1e-18f)*largest,Real(1.17549435e-38f));
