@@ -78,7 +78,7 @@ CbvhError CbvhContextTy::report(const Failure& failure) const { return callError
 static Failure exceptionAsFailure()
 {
   try { throw; }
-  catch (const Failure& failure) { return failure; }
+  catch (Failure& failure) { return std::move(failure); }
   catch (...) {
     const embree::core::CaughtError error = embree::core::caughtError();
     return {codeOf(error.code), error.text};
@@ -88,7 +88,10 @@ static Failure exceptionAsFailure()
 Failure embree::beside::caughtFailure()
 {
   Failure failure = exceptionAsFailure();
-  if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
+  try {
+    if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
+  }
+  catch (const std::bad_alloc&) {} // without the reason
   return failure;
 }
 
@@ -104,12 +107,19 @@ ErrorScope::~ErrorScope()
   collectsErrors = outerCollects;
 }
 
+/* Keeps no text if there is no memory for it: exceptions must not leave functions of C. */
+static void setErrorText(const char* text)
+{
+  try { errorText = text; }
+  catch (const std::bad_alloc&) { errorText.clear(); }
+}
+
 CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr)
 {
-  errorText = failure.text;
+  setErrorText(failure.text.c_str());
   if (!function) return failure.code;
   function(userPtr, failure.code, failure.text.c_str());
-  errorText = failure.text; // an error that the function caused must not replace this one
+  setErrorText(failure.text.c_str()); // an error that the function caused must not replace this one
   return failure.code;
 }
 
@@ -124,7 +134,7 @@ void embree::beside::checkFlags(unsigned int flags, unsigned int known, const ch
 
 CbvhError embree::beside::rejectArgument(const char* text)
 {
-  errorText = text;
+  setErrorText(text);
   return CBVH_ERROR_INVALID_ARGUMENT;
 }
 
