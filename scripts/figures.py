@@ -22,11 +22,12 @@ TABLE, PAGE = ROOT / "docs/figures.csv", ROOT / "docs/figures.md"
 LINK = re.compile(r"\[([^\]]*)\]\([^)\s]*figures\.md#([\w-]+)\)")
 INTRODUCTION = """# Figures
 
-After this page you know how each figure in the text of the other pages was measured. Terms are defined in
+After this page you know how each figure that other pages link to was measured. Terms are defined in
 [vocabulary.md](vocabulary.md). Tables and generated text on other pages name their command and machine themselves.
 
 An empty cell means "not recorded". "Commit" is the build that was measured, or after "by", if that build was not
-recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`.
+recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`. Edit this
+table by hand.
 
 ## How do I reproduce a figure?
 
@@ -41,7 +42,6 @@ name `body_hm08`: this model is not in the repository.
 |:--|:--|
 | EPYC AVX2 | AMD, two cores, 512 KiB of L2, 8 MiB of L3 |
 | EPYC AVX-512 | AMD, two cores, 1 MiB of L2, 32 MiB of L3 |
-| EPYC | AMD, two cores |
 | Xeon AVX-512 | Intel, two cores |
 | Xeon 2.50 GHz | Intel, AVX-512 |
 | NVIDIA H100 | driver 580.159 |

@@ -86,8 +86,8 @@ def measure(name, options):
     return row
 
 
-COLUMNS = ["mesh", "thousand triangles", "Embree, bytes", "compact", "cVERT", "peak", "lossless"]
-COLUMNS += ["Embree, s", "cVERT", "lossless", "coherent", "incoherent", "compact", "lossless", "moved"]
+COLUMNS = ["mesh", "thousand triangles", "bytes: Embree", "compact", "cVERT", "peak", "lossless"]
+COLUMNS += ["build, s: Embree", "cVERT", "lossless", "speed: coherent", "incoherent", "compact", "lossless", "moved"]
 
 
 def line_of(name, row):
