@@ -18,7 +18,7 @@ namespace embree
   namespace cbvh
   {
     /*! All MappedBlocks of the process, to find the owner of a block by its address. Threads hold references
-     *  to a sorted list, which does not change, so that rays need no lock. */
+     *  to a sorted list, which does not change, so that rays lock only after files were mapped or unmapped. */
     class MappedBlockRegistry
     {
       /*! Copies members of MappedBlocks, because other threads may delete those of geometries that the calling thread

@@ -58,7 +58,7 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 
 /* --- header -------------------------------------------------------------------------- */
 
-/*! 76 bytes, 12 modulo 16. A tree of nodes has 4 modulo 16 bytes, so both together need no padding. */
+/*! 76 bytes, 12 modulo 16. A tree that is not empty has 4 modulo 16 bytes, so both together need no padding. */
 struct BlockHeader
 {
   float center[3];      //!< world position that the frame maps to (1/2,1/2,1/2)

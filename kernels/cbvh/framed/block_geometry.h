@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Input of a block's encoders: its vertices in world space and in its frame, and exact bounds of all nodes.
+/* Input of a block's encoders: its vertices in world space and in its frame, and bounds of all nodes.
  *
  * A cell is a quad, or a quarter of the only quad of a cLEAF block, whose groups have four leaves. */
 
@@ -115,7 +115,7 @@ namespace embree
         invalidQuads = cellLevels > height ? invalidCells != 0 : invalidCells; // cells may be parts of the only quad
       }
 
-      /*! Exact bounds of node m of a level, or of cell m if level is cellLevels. */
+      /*! Bounds of node m of a level, or of cell m if level is cellLevels, see boundCell(). */
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
       const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a block, which encoders of all kinds collect. */
+/* Statistics of one or more blocks, which encoders of all kinds collect. */
 
 #include "leaf/leaf_fit.h"
 

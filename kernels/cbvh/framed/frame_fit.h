@@ -38,7 +38,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Largest ratio of two values of W in a block. */
+    /*! Largest ratio of W at two vertices of a block. */
     static constexpr double maxWRatio = 4.0;
 
     /*! Distance of the vertices from the faces of the frame's box, to which maps are scaled. After a map is rounded to

@@ -115,7 +115,7 @@ CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox
 /*! A ray's path through a leaf's box. */
 CVERT_REAL struct Crossing
 {
-  Real s0, s1;                //!< s at entry and exit
+  Real s0, s1;                //!< s at entry and exit, 0 to 1
   Real u0, v0, u1, v1;        //!< position in the box at entry and exit, 0 to 1
   CVERT_OF(Parabola) f;
   LeafEvent event;
