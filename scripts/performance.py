@@ -119,11 +119,11 @@ def front_table(rows):
         out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors_p99_pixels:.3f}"])
     run = rows.iloc[0]
     source = (
-        "Level 6 (64 x 64 quads per face), full views. Error: 99 of 100 rays hit within this many pixels of GRID's"
-        f" hit. Memory, build ({run.run_hardware_threads} threads) and error were measured on an {run.run_cpu},"
-        f" {run.run_date[:10]}, commit {run.run_commit[:12]}. Ray speeds are multiples of GRID's, single rays of one"
-        " thread, from [performance.md](docs/performance.md#how-fast-are-rays). `scripts/performance.py` writes this"
-        " table."
+        "Level 6 (64 x 64 quads per face; level 4: [5 to 8 times](docs/figures.md#memory-4) less memory), full views,"
+        " 512 x 512 pixels. Error: 99th percentile of distances from GRID's hits. Memory, build"
+        f" ({run.run_hardware_threads} threads), error: {run.run_cpu}, {run.run_date[:10]}, commit"
+        f" {run.run_commit[:12]} (`scripts/performance.py`). [Ray speeds](docs/performance.md#how-fast-are-rays):"
+        " multiples of GRID's, single rays, one thread."
     )
     return [
         *Table(heads, out).markdown().split("\n"),
@@ -140,8 +140,8 @@ def headline(rows):
     text = (
         f"**[{min(smaller):.0f} to {max(smaller):.0f} times](docs/figures.md#memory) less memory than Embree's own"
         f" subdivision surfaces; single rays at [{min(faster):.2f} to {max(faster):.2f} times](docs/figures.md#rays)"
-        f" their speed**, lowest where the scene fits the caches ({len(scenes)} models;"
-        " [measurements](docs/performance.md#how-fast-are-rays))."
+        f" their speed**, lowest where the scene fits the caches ({len(scenes)} models,"
+        " [level](docs/vocabulary.md#level) 6; [measurements](docs/performance.md#how-fast-are-rays))."
     )
     return [*textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False), ""]
 

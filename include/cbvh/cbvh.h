@@ -108,9 +108,9 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  *
  * settings: in the syntax of Embree's device configuration, for example "threads=4,isa=avx2". NULL selects the
  *           defaults. An unknown key or instruction set is an error whose message names the nearest valid one.
- *           "cbvh_max_error=0.01" changes the default of CbvhAccuracy, and so does max_error in the environment
- *           variable EMBREE_CBVH, whose item verbose prints a line per commit of a group. Settings that select a
- *           representation have no effect.
+ *           "cbvh_max_error=0.01" changes the default of CbvhAccuracy, where 0 is lossless, and so does max_error in
+ *           the environment variable EMBREE_CBVH, whose item verbose prints a line per commit of a group. Settings
+ *           that select a representation have no effect.
  * function: called for errors, or NULL.
  * userPtr:  passed to the function.
  * context:  written on success.
@@ -273,7 +273,8 @@ struct CbvhAccuracy
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
   float maxError;                   /* in units of the vertices: largest spacing of the lattice. A vertex moves by at
                                      * most half a spacing on each axis, which is 0.866 spacings in space. 0: the bound
-                                     * that the settings of the context select, or none */
+                                     * that the settings of the context select, where 0 is lossless, or else the default
+                                     * above */
   float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
                                      * smaller one holds */
   float cameraPosition[3];          /* in the space of the vertices */
