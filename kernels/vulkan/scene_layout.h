@@ -29,8 +29,8 @@ struct SceneData
   CBVH_ADDRESS nodes;
   CBVH_ADDRESS movingNodes;
   CBVH_ADDRESS blocks;       //!< address of BlockData
-  CBVH_ADDRESS leaves;       //!< in full precision, pairs of words: index in `blocks` and first vertex (2 x 2
-                             //!< quads of GRID), or geomID and primID (a triangle)
+  CBVH_ADDRESS leaves;       //!< in full precision, pairs of words: index in `blocks` and first vertex (up to
+                             //!< 2 x 2 quads of GRID), or geomID and primID (a triangle)
   CBVH_ADDRESS geometries;   //!< address of GeometryData
   uint32_t root;             //!< reference to the root of the tree
   float lower[3], upper[3];  //!< bounds of the scene

@@ -46,7 +46,7 @@ uint32_t Tree::addNode()
   nodes.emplace_back();
   FlatNode& node = nodes.back();
   for (int i = 0; i < 4; i++) {
-    node.children[i] = cbvh::emptyReference; // with bounds that no ray hits, see FlatNode
+    node.children[i] = cbvh::emptyReference; // at infinity, where only rays with infinite tfar find it
     for (int k = 0; k < 3; k++) node.lower[k][i] = node.upper[k][i] = std::numeric_limits<float>::infinity();
   }
   return uint32_t(nodes.size() - 1);

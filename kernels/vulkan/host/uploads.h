@@ -17,7 +17,7 @@ struct UploadedSurface;
 class Uploads
 {
 public:
-  /* NULL if no scene on the device has copied the surface's blocks. */
+  /* NULL if no scene on the device uses a copy of the surface's blocks. */
   std::shared_ptr<const UploadedSurface> find(uint64_t buildID) const
   {
     std::lock_guard<std::mutex> lock(mutex);

@@ -6,7 +6,8 @@
  * CBVH_FLOAT64, cVERT's distances are the same as on the CPU.
  *
  *   #define CBVH_LEAF_KINDS ...   optional: (specialization) constant with all bits of rtcGetVulkanSceneLeafKinds;
- *                                 rays miss other kinds of leaves, which are not compiled. Default: all kinds
+ *                                 no other kinds are compiled. Default: all kinds. If a kind of the scene is
+ *                                 missing, the behavior is undefined
  *   #define CBVH_STACK_SIZE ...   stackSize of rtcGetVulkanSceneStatistics or more. Default: 96. With a smaller stack
  *                                 than the scene needs, the behavior is undefined
  *   #define CBVH_FLOAT64          optional: if shaderFloat64 is enabled on the device

@@ -15,7 +15,7 @@ import sys
 
 # Headers that define the language that C++ and GLSL share. Their first comment explains macros, which are replaced.
 LANGUAGE_HEADERS = ("language.h", "bytes.h", "int3.h")
-# Names that these headers define, and their equivalents in GLSL.
+# Names of that language, and their equivalents in GLSL.
 LANGUAGE = {
     "CBVH_BEGIN": "",
     "CBVH_END": "",
@@ -32,7 +32,7 @@ LANGUAGE = {
     "Int3": "ivec3",
     "CBVH_ADDRESS": "uvec2",
 }
-# Macros that take a type, and their equivalents in GLSL.
+# Macros with an argument, and their equivalents in GLSL.
 MACROS = {
     "CVERT_OF": r"\1",
     "CVERT_OF_WIDE": r"\1",

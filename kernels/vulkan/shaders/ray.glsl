@@ -12,9 +12,9 @@
 #include "memory.glsl"
 #include "../../cbvh/framed/local_ray.h"
 
-/* A ray, as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. Rays with tnear > tfar
- * and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask shares a bit with its
- * own, at `time` in [0,1]. */
+/* A ray, as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. tnear < 0 counts as 0.
+ * Rays with tnear > tfar and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask
+ * shares a bit with its own, at `time` in [0,1]. */
 struct CbvhRay
 {
   vec3 origin;

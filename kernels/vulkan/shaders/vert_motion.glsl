@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Decodes a moving cVERT block (kernels/cvert/format/motion.h) at a ray's time. The same expression, whose operations
- * round monotonically, interpolates vertices and planes. Planes on world axes that bound the vertices at two steps
- * therefore bound them in between; the sheared axis needs motionSlack. */
+ * round monotonically, interpolates vertices and groups' planes. Planes on world axes that bound a group's vertices at
+ * two steps therefore bound them in between. The sheared axis and the block's bounds need motionSlack. */
 
 #ifndef CBVH_VERT_MOTION_GLSL
 #define CBVH_VERT_MOTION_GLSL
