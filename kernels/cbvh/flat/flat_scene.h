@@ -19,7 +19,7 @@ namespace embree
     /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
     static const uint32_t flatSceneVersion = 6;
 
-    /*! Unused children are emptyReference, with infinite bounds that no ray hits. */
+    /*! Unused children are emptyReference, with infinite bounds. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
