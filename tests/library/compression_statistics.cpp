@@ -21,7 +21,7 @@ RTCCompressionStatistics statisticsOf(RTCDevice device,
   return cbvh::test::statisticsOf(scene);
 }
 
-// All members, which include new ones.
+// Compares all bytes, so that members of later versions are included.
 bool isAllZero(const RTCCompressionStatistics& s)
 {
   static const char zeros[sizeof(s)] = {};

@@ -136,11 +136,15 @@ TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported)
     RTCCompressedFileWriter writer = resume();
     append(writer, 0);
     const bool isWritten = rtcCommitCompressedFileWriter(writer);
-    rtcReleaseCompressedFileWriter(writer);
     fsyncError = 0;
     EXPECT_EQ(isWritten, error != EIO);
     EXPECT_EQ(access(path.c_str(), F_OK) == 0, error != EIO);
     EXPECT_EQ(device.takeError(), error == EIO ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_NONE) << device.message;
+    RTCGeometry another = all[1].make(device);
+    EXPECT_FALSE(rtcAppendCompressedGeometry(writer, another)) << "after a commit or a failed write";
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+    rtcReleaseGeometry(another);
+    rtcReleaseCompressedFileWriter(writer);
     unlink(path.c_str());
   }
 }

@@ -345,10 +345,7 @@ TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
 {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
   settings.timeSteps = 9;
-  settings.motion = [](const Vec& p, unsigned i) { // around the z axis, in 8 steps
-    const double a = M_PI/4*i, x = p[0] + 3.0;
-    return Vec{float(x*std::cos(a) - p[1]*std::sin(a)), float(x*std::sin(a) + p[1]*std::cos(a)), p[2]};
-  };
+  settings.motion = orbiting;
   Scene moving(embree);
   addSurface(embree, moving, sheetCage(4), settings);
   rtcCommitScene(moving);

@@ -85,7 +85,7 @@ namespace embree
       for (int i=0; i<4; i++) radius = max(radius,sqr_length(corners[i]-center));
       radius = std::sqrt(radius);
       for (int i=0; i<4; i++) outside = max(outside,dot(normals[i],center-eye)-offsets[i]-radius);
-      // behind the camera, borders come nearer again
+      // behind the camera, the distance from the borders' planes decreases again
       if (!orthographic) outside += max(0.0,dot(forward,eye-center)-radius);
       const double scale = orthographic ? 4.0*size : std::sqrt(sqr_length(center-eye));
       return outside > 0.0 ? 1.0 + (outsideFactor-1.0)*min(1.0,1.15*outside/scale) : 1.0;
