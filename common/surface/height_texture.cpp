@@ -11,7 +11,11 @@
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <thread>
 
 namespace cbvh {
 namespace {
@@ -24,12 +28,57 @@ struct TextureImage
   int subimage = 0;
 };
 
+/* OpenImageIO's state of a thread, mainly its last tiles. The texture owns all states: OpenImageIO frees its own state
+ * of a thread when the thread ends, which crashes if another thread destroys the texture meanwhile. */
+class ThreadStates
+{
+public:
+  /* Calls body(state) with a state that no other thread uses meanwhile, usually the same for the same thread. */
+  template<typename Body>
+  void use(OIIO::TextureSystem* system, const Body& body)
+  {
+    static std::atomic<unsigned> numThreads{0};
+    thread_local const unsigned number = numThreads++;
+    for (unsigned i = number;; i++)
+    {
+      Slot& slot = slots[i % slots.size()];
+      const std::unique_lock<std::mutex> lock(slot.mutex, std::try_to_lock);
+      if (lock)
+      {
+        if (!slot.state)
+          slot.state = system->create_thread_info();
+        body(slot.state);
+        return;
+      }
+      if (i - number >= slots.size())
+        std::this_thread::yield();
+    }
+  }
+
+  void destroy(OIIO::TextureSystem* system)
+  {
+    for (Slot& slot : slots)
+      if (slot.state)
+        system->destroy_thread_info(slot.state);
+  }
+
+private:
+  struct alignas(64) Slot // its own cache line
+  {
+    std::mutex mutex;
+    OIIO::TextureSystem::Perthread* state = nullptr;
+  };
+
+  std::array<Slot, 256> slots; // threads that use states at the same time; more threads wait
+};
+
 } // namespace
 
 struct HeightTexture::Implementation
 {
   OIIO::ImageCache* cache = nullptr;
   OIIO::TextureSystem* system = nullptr;
+  mutable ThreadStates states;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
   int channels = 1;
@@ -38,7 +87,10 @@ struct HeightTexture::Implementation
   ~Implementation()
   {
     if (system)
+    {
+      states.destroy(system);
       OIIO::TextureSystem::destroy(system);
+    }
     if (cache)
       OIIO::ImageCache::destroy(cache);
   }
@@ -51,7 +103,8 @@ struct HeightTexture::Implementation
       const OIIO::ImageSpec config = MapImage::configuration({info.firstChannel, read.count, read.neutral});
       cache->add_file(OIIO::ustring(path), [] { return static_cast<OIIO::ImageInput*>(new MapImage); }, &config);
     }
-    OIIO::TextureSystem::TextureHandle* handle = system->get_texture_handle(OIIO::ustring(path));
+    OIIO::TextureSystem::TextureHandle* handle = nullptr;
+    states.use(system, [&](auto* state) { handle = system->get_texture_handle(OIIO::ustring(path), state); });
     if (!handle || !system->good(handle))
       throw Error(path + ": OpenImageIO cannot use this image as a texture: " + system->geterror());
     for (size_t i = 0; i < count; i++)
@@ -62,8 +115,19 @@ struct HeightTexture::Implementation
               float* values) const
   {
     opt.subimage = images[image].subimage;
-    system->texture(images[image].handle, system->get_perthread_info(), opt, s, t, widthS, 0.0f, 0.0f, widthT, count,
-                    values);
+    states.use(system, [&](auto* state) {
+      system->texture(images[image].handle, state, opt, s, t, widthS, 0.0f, 0.0f, widthT, count, values);
+    });
+  }
+
+  Vec2f size(unsigned image) const
+  {
+    int size[2] = {0, 0};
+    states.use(system, [&](auto* state) {
+      system->get_texture_info(images[image].handle, state, images[image].subimage, OIIO::ustring("resolution"),
+                               OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
+    });
+    return {float(size[0]), float(size[1])};
   }
 };
 
@@ -111,11 +175,8 @@ void HeightTexture::fillCache() const
   float values[4];
   for (unsigned image = 0; image < images; image++)
   {
-    int size[2] = {0, 0};
-    const TextureImage& file = implementation->images[image];
-    implementation->system->get_texture_info(file.handle, nullptr, file.subimage, OIIO::ustring("resolution"),
-                                             OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
-    for (int w = size[0], h = size[1]; w > 0 && h > 0; w /= 2, h /= 2)
+    const Vec2f texels = implementation->size(image);
+    for (int w = int(texels.x), h = int(texels.y); w > 0 && h > 0; w /= 2, h /= 2)
       for (int y = 0; y < h; y += tileSize)
       {
         throwIfCanceled();
@@ -130,11 +191,7 @@ HeightTexture::~HeightTexture() = default;
 
 Vec2f HeightTexture::size(unsigned image) const
 {
-  const TextureImage& file = implementation->images[image];
-  int size[2] = {0, 0};
-  implementation->system->get_texture_info(file.handle, nullptr, file.subimage, OIIO::ustring("resolution"),
-                                           OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
-  return {float(size[0]), float(size[1])};
+  return implementation->size(image);
 }
 
 bool HeightTexture::looksLikeNormals() const
