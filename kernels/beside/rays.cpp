@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces rays through groups. geomIDs are RTC_INVALID_GEOMETRY_ID while the kernels trace. Afterwards, rays without a
- * hit get their geomIDs back, and all rays their instIDs, which belong to the application. */
+/* Traces rays through groups. geomIDs are RTC_INVALID_GEOMETRY_ID while the kernels trace, so that any other value
+ * afterwards means a hit. Then rays without a hit get their geomIDs back, and all rays their instIDs, which belong to
+ * the application. */
 
 #include "group.h"
 #include "structs.h"

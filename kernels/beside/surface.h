@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* A surface: a geometry of the kernels that releases its input (cage, grids or mesh) and keeps only compressed blocks
- * when it is committed. An input is pending until commit() makes it the current one. */
+/* A surface: a geometry of the kernels that builds compressed blocks when it is committed, and then releases the cage,
+ * grids or mesh, except for attributes. Each cage, grids or mesh that is set is an Input, which is pending until
+ * commit() makes it the current one. */
 
 #include "context.h"
 
@@ -17,7 +18,8 @@
 
 namespace embree { namespace beside {
 
-/* A geometry of the kernels, and the user data of its callbacks. */
+/* A geometry of the kernels, and the user data of its callbacks. After commit(), the geometry has blocks, but no
+ * vertices. */
 struct Input
 {
   RTCGeometry geometry;
@@ -27,14 +29,15 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute
-  // of a cage with attributes: pairs of face and number of corners, for faces without 4 corners, sorted by face
+  // of a cage with attributes: pairs of face and number of corners, for faces that are not quads, sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // NULL except during a commit
   void* progressPtr = nullptr;
 
   embree::Geometry* embreeGeometry() const { return (embree::Geometry*)geometry; }
 
-  /* Throws unless the face exists and contains the point (u, v), in the parametrization of hits. */
+  /* Throws unless the face exists and contains the point (u, v), in the parametrization of hits. Requires a cage with
+   * attributes. */
   void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
@@ -50,7 +53,8 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
-  /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until the commit ends. */
+  /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until commit() succeeds or
+   * other input is set. */
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
@@ -66,6 +70,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
 
   /* Compresses the pending input. Without pending input, does nothing, or throws if the surface is empty or its
    * accuracy changed. If no blocks are stored, throws; the last commit then remains current, and the input pending.
+   * If blocks are stored, but Embree reports an error, makes the input current and then throws.
    * CbvhGroupTy::commit() reports input that was left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
@@ -73,11 +78,12 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
   /* Loads the geometry of a file into a new surface. Throws unless the file contains exactly one geometry. */
   void load(const char* path);
 
-  /* Input of the last commit. Throws if there is none. The result stays valid even if a callback commits or releases
-   * the surface. */
+  /* Input of the last commit, or the loaded geometry. Throws if there is neither. The result stays valid even if a
+   * callback commits or releases the surface. */
   std::shared_ptr<const embree::beside::Input> committedInput() const;
 
-  /* Input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
+  /* Input whose attributes are interpolated: during a commit or dicing the pending input, otherwise as
+   * committedInput(). */
   std::shared_ptr<const embree::beside::Input> interpolationInput() const;
   /* The input that was set last, committed or not; NULL if there is none. */
   const embree::beside::Input* latestInput() const { return pending ? pending.get() : current.get(); }
@@ -103,13 +109,13 @@ private:
 
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
-  /* copies: true to copy the vertices. Otherwise they must exist until the commit ends. */
+  /* copies: true to copy the vertices. Otherwise they must exist as long as the geometry may be committed. */
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
 
   /* Replaces the pending input, unless the device reported an error, which it throws. */
   void setPending(InputPtr input);
 
-  InputPtr current, pending;    // input of the last commit and of the next one
+  InputPtr current, pending;    // input of the last commit or load(), and of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy(); // of the next and the last commit
   bool isLossless = false, committedLossless = false;
   unsigned int mask = ~0u, appliedMask = ~0u; // value of setMask(), and value of the committed geometry

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Converts a hit in a leaf to what Embree reports: face parameters, distance and normal. `Real` is float, or a vector
- * with one ray of a packet per lane. Both compute the same bits: every product in a sum is explicitly fused or not. */
+/* Converts a hit in a leaf of cLEAF or cVOXEL to what Embree reports: face parameters, distance and normal. (cGRID uses
+ * Embree's triangle test.) `Real` is float, or a vector with one ray of a packet per lane. Both compute the same bits:
+ * every product in a sum is explicitly fused or not. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -32,9 +33,9 @@ namespace embree
         Real P[3], D[3];       //!< start and direction of the segment in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
-        Real scale, rcpDir2;
+        Real scale, rcpDir2;   //!< the same
         Real tnear, tfar;      //!< of the ray before any hit
-        Real entryT;           //!< distance at which the ray enters the block's bounds
+        Real entryT;           //!< lower bound of the distance at which the ray enters the block's bounds
 
         /*! Distance of a hit along the application's ray, between tnear and tfar. */
         __forceinline Real distanceAt (const Real& s) const {

@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Also implements SurfaceNumber (base/surface_ids.h) and BlockMemory (base/block_memory.h). */
+
 #include "surface_blocks.h"
 #include "../base/kinds.h"
 #include "stored_triangles.h"
@@ -15,12 +17,14 @@ namespace embree
   {
     namespace
     {
-      MutexSys mutex;                    //!< also protects SurfaceState::number and blocks, and writes of surfaceIDs
+      /*! Protects the following variables, and between concurrent builds of scenes also SurfaceState::number and
+       *  blocks, and writes of surfaceIDs. Commits of geometries change the blocks without it. */
+      MutexSys mutex;
       /*! Unused numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;
-      std::set<uint32_t> fileNumbers;    //!< numbers from files that are in use; from firstFileNumber
+      std::set<uint32_t> fileNumbers;    //!< numbers from files that are in use, at least firstFileNumber
     }
 
     SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
@@ -73,7 +77,8 @@ namespace embree
 
     void updateSurfaceIDs (Scene* scene)
     {
-      const bool hasStatic = hasCompressedGeometry(scene,false); // otherwise Embree's grids store IDs
+      // without compressed static geometry, Embree traces static cages, and its grids store IDs
+      const bool hasStatic = hasCompressedGeometry(scene,false);
       std::vector<std::pair<uint32_t,uint32_t>> ids;
       for (size_t i=0; i<scene->size(); i++)
         for (bool moves : { false,true }) {
@@ -96,7 +101,7 @@ namespace embree
     {
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
-      // builds in progress hold a reference
+      // the regions are no longer needed; other builds in progress hold references
       std::atomic_store(&geometry->surface.regions,std::shared_ptr<const QuadRegions>());
       return geometry->surface.blocks;
     }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of mesh blocks for packets: one ray after the other, with triangles in lanes. */
+/* Intersector of mesh blocks at rest for packets: one ray after the other, with boxes, then triangles, in lanes. */
 
 #include "hitsK.h"
 #include "mesh_intersector1.h"
@@ -18,7 +18,8 @@ namespace embree
       class MeshIntersectorK
       {
       public:
-        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. block: a MeshHeader. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. block: a MeshHeader,
+         *  without motion. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const void* block)
         {
@@ -38,7 +39,7 @@ namespace embree
                                                 VertRays<K>& vertRays, const VertHeader* block,
                                                 const CachedMeshBlock& cached)
         {
-          // ray() does not set members for boxes
+          // ray() leaves out the members that tests of boxes read
           VertRay ray = vertRays.ray(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largestComponent = vertRays.largestComponent[k];

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Vectors of four floats or integers, for encoders. Results equal those of scalar code, so that all instruction sets
- * encode the same bytes. Requires -ffp-contract=off where compilers could fuse multiplications and additions.
- * CVERT_PORTABLE selects plain C++ instead of SSE and NEON. lanes_sse.h documents the functions. */
+/* Vectors of four floats or integers, for encoders, and for conversions from and to Double4 (double4.h), also in
+ * packets of rays. Results equal the results of scalar code, so that all instruction sets encode the same bytes.
+ * Encoders require -ffp-contract=off where compilers could fuse multiplications and additions. CVERT_PORTABLE selects
+ * plain C++ instead of SSE and NEON. lanes_sse.h documents the functions. */
 
 #if defined(CVERT_PORTABLE)
 #include "lanes_portable.h"

@@ -17,7 +17,7 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     static const uint32_t maxSide = vertBlockQuads + 1u; //!< vertices per side
 
-    float vertices[maxSide*maxSide][3]; //!< in world space, row by row
+    float vertices[maxSide*maxSide][3]; //!< in world space, row by row, quadsX+1 per row
     const uint32_t quadsX, quadsY;
 
     /*! step: below the number of steps; 0 unless the block moves */
@@ -48,8 +48,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Box of group g at the step, see BoxPlanes. Later steps that are raw have none; steps that are not raw have
-     *  none in a segment whose other end is raw. info, margins: of the segment that begins or ends with the step.
-     *  Without them, the box is of the first segment, so the step must be 0 or 1. */
+     *  none in a segment whose other end is raw. info, margins: of the step at which the segment begins; the decoded
+     *  step may be at either end. margins: see VertLayout. Without info and margins, the box is of the first segment,
+     *  so the step must be 0 or 1. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->info,(const uint8_t*)block + layout.margins,lower,upper);
     }

@@ -112,7 +112,7 @@ namespace cvert
     const bool isBlank = memcmp(&header,&blank,sizeof(blank)) == 0;
     if (isShort || isBlank)
     {
-      // nothing was saved; a short file may be of another kind
+      // a blank or missing header: there is no checkpoint; a short file with other bytes is of another kind
       if (!isBlank) reject("is not a file of compressed surfaces");
       if (::ftruncate(descriptor,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
@@ -165,7 +165,7 @@ namespace cvert
   uint32_t FileWriter::chooseSurfaceNumber (const FileGeometry& record)
   {
     // a hash, so that equal surfaces produce equal files, and numbers of different files rarely collide
-    const uint32_t count = firstFileNumber-1; // -1: ~0u, a moving surface, is reserved
+    const uint32_t count = firstFileNumber-1; // excludes ~0u as number of a moving surface: it is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
     return number | firstFileNumber | (record.form == FILE_MOVING ? movingSurface : 0);

@@ -12,10 +12,11 @@
  *
  * Triangles and their numbers are the same at all steps. A step's affine map predicts its vertices from the first step:
  * a small piece of a surface moves nearly as a rigid body. The step stores the differences of coordinates from their
- * predictions: a base per group, and a field per vertex.
+ * predictions: a signed base per group, and a field per vertex, on each axis. No box of these steps is sheared.
  *
  * Predictions are computed in double, with the same results on all processors: products of two floats are exact, fused
- * or not, and the order of sums is fixed. Denormal floats count as 0, because processors may flush them. */
+ * or not, and the order of sums is fixed. Denormal floats count as 0 in products and sums, because processors may flush
+ * them. */
 
 #include "mesh_block.h"
 #include "motion.h"
@@ -23,7 +24,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Version of mesh blocks that move, and of files with such blocks. Older readers reject it. */
+  /*! Version of mesh blocks that move, and FileHeader::vertVersion of files with such blocks. Older readers reject
+   *  it. */
   static const uint32_t movingMeshFormatVersion = 7;
 
   static const uint32_t meshStepBytes = 68;
@@ -41,6 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline uint32_t stepBoxShift (const MeshStep& step, uint32_t axis) {
     return meshBoxShift(step.spacings,step.info,axis);
   }
+  /*! Bits of a group's base on an axis. info: MeshStep::info. */
   inline uint32_t stepBaseBits (uint32_t info, uint32_t axis) { return (info >> (12+6*axis)) & 63; }
 
   /*! Bits of a vertex's field on an axis. The group's record has 5 bits for each axis, from bit 0 on; 31 means 32. */
@@ -55,6 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t records, boxes, bases, fields;
   };
 
+  /*! groups: of the block. info: MeshStep::info. */
   inline MeshStepLayout meshStepLayout (uint32_t groups, uint32_t info)
   {
     MeshStepLayout offsets;
