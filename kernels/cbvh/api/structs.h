@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Structs of include/embree3 that may grow (core/struct_size.h), except rtcore_vulkan.h, and conversions of internal
- * structs to public ones. */
+/* Structs of include/embree3 that may grow (core/struct_size.h), and conversions of internal structs to public ones.
+ * vulkan/host/structs.h lists the structs of rtcore_vulkan.h. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Checks device strings such as "threads=4,isa=avx2", because Embree ignores unknown keys and many invalid values.
- * Also finds similar names and stores errors of settings, for messages. Independent of Embree, for libembree_cbvh.
- * Thread-safe. */
+ * Also finds similar names and stores errors of settings, for messages. Independent of Embree, because the interposer
+ * compiles it, too. Thread-safe. */
 
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace embree
   /*! True for Embree's keys and the cbvh keys. */
   bool isDeviceKey (const std::string& key);
 
-  /*! Returns the known key that is most similar to `name`, for messages. */
+  /*! Returns nearestName() of all known keys, for messages. */
   std::string nearestDeviceKey (const std::string& name);
 
   /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. names: not empty. */
@@ -26,7 +26,8 @@ namespace embree
    *  null. */
   std::string findDeviceStringError (const char* deviceString);
 
-  /*! Returns and clears the message of this thread's last rejected setting, or an empty string. */
+  /*! Returns and clears the message of the last setting of a device string or of EMBREE_CBVH that this thread rejected,
+   *  or an empty string. */
   std::string fetchSettingError ();
 
   /*! Stores a message for fetchSettingError() on the same thread. */

@@ -20,6 +20,7 @@ namespace embree
               + std::to_string(values[i]) + " is not finite");
       }
 
+      /*! Throws unless the value is finite and above the bound or, with orEqual, not below it. bound: 0 or 1. */
       void requireAbove (const char* name, float value, float bound, bool orEqual)
       {
         if (!std::isfinite(value) || !(orEqual ? value >= bound : value > bound))
@@ -115,9 +116,10 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* Otherwise the face has a patch per corner i, whose parameters u and v begin at 2 (i % 4) + 0.5 and 2
-                 * (i / 4) + 0.5. Two of its sides are half an edge, so rates count twice. The edges also get the rates
-                 * of the opposite sides. Embree supports 16 corners. */
+                /* Otherwise the face has a patch per corner i, whose parameters begin at u = 2 (i % 4) + 0.5 and
+                 * v = 2 (i / 4) + 0.5. The sides v = 0 and u = 0 are halves of the edges after and before corner i,
+                 * so an edge needs twice the quads of its half. The opposite sides count for the same edges. Embree
+                 * supports at most 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];
@@ -125,7 +127,8 @@ namespace embree
                   behind = max(behind,2.0f*max(quads[1],quads[3]));
                 }
               }
-              // rounding must not exceed the bounds
+              // Bounds the rates of this face only; afterwards an edge gets the highest rate of its faces. Bounds are
+              // powers of two, so that rounding cannot exceed them.
               if (camera.maxRates)
                 for (unsigned i=0; i<n; i++) out[i] = min(out[i],largestRate(camera.maxRates[first[f]+i]));
             }

@@ -4,7 +4,8 @@
 #pragma once
 
 /* Functions of this folder throw Embree's rtcore_error or std::bad_alloc. rtc functions catch them with RTC_CATCH_END,
- * interfaces without Embree's internal headers with caughtError(). */
+ * interfaces without Embree's internal headers with caughtError(). libembree3_vulkan compiles only struct_size.cpp of
+ * this folder; there it throws VulkanError. */
 
 #include "../../../include/embree3/rtcore.h"
 #include <string>
@@ -19,10 +20,13 @@ namespace embree
       std::string text;
     };
 
-    /*! Call it in a catch block. Other exceptions become RTC_ERROR_UNKNOWN. */
+    /*! Returns the exception that the enclosing catch block handles. Exceptions other than rtcore_error and
+     *  std::bad_alloc become RTC_ERROR_UNKNOWN. Copies the text, and may throw std::bad_alloc. Outside of a catch block
+     *  it ends the process. */
     CaughtError caughtError ();
 
-    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. */
+    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own
+     *  definition, in rtcore_vulkan.cpp. */
     [[noreturn]] void throwInvalidArgument (const std::string& text);
   }
 }

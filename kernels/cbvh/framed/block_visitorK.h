@@ -84,7 +84,8 @@ namespace embree
           return counts;
         }
 
-        /*! Records that rays accepted a hit. reportHits() calls it. */
+        /*! Records rays whose hit was accepted. reportHits() calls it; visitors that report hits themselves must call
+         *  it. */
         __forceinline void accept (const vbool<K>& accepted)
         {
           isHit |= accepted;

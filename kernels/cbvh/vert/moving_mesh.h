@@ -115,7 +115,7 @@ namespace embree
         const MeshHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable bool isInterpolated = false;
+        mutable bool isInterpolated = false; //!< boxesAtTime is set
         mutable GroupBoxes boxesAtTime;
         mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
       };

@@ -20,6 +20,7 @@
 using namespace embree::vulkan;
 namespace core = embree::core;
 
+/* For core/struct_size.cpp, which this library compiles without core/errors.cpp. */
 void embree::core::throwInvalidArgument(const std::string& text)
 {
   throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text);
@@ -27,8 +28,8 @@ void embree::core::throwInvalidArgument(const std::string& text)
 
 namespace {
 
-/* Calls the closure. If it throws, reports the exception to the device (NULL: to the calling thread) and returns
- * false. */
+/* Calls the closure. If it throws, returns false and reports the exception to the device (NULL: to the calling thread).
+ * Does not report a VulkanError with RTC_ERROR_NONE, see error.h. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {
@@ -57,7 +58,8 @@ void write(T* to, const T& from, const char* name)
   core::writeStruct(to, from);
 }
 
-/* An application's array of structs, which may have the size of another version. */
+/* An application's array of `count` structs, which may have the size of another version. The constructor throws
+ * RTC_ERROR_INVALID_ARGUMENT for an invalid structSize of the first struct, at() if struct i has another size. */
 class DeviceInfos
 {
 public:
@@ -107,7 +109,7 @@ bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDevi
     if (count && !rays) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays is 0");
     requireAligned(rays, "rays");
     requireAligned(order, "order");
-    if (order) rayOrderBytes(count);
+    if (order) rayOrderBytes(count); // throws if there are too many rays
     Scene& scene = *sceneOf(hscene);
     scene.record(query, scene.device.pipeline(query, scene.usesRayQuery, scene.kinds, scene.statistics.stackSize),
                  commands, rays, count, order);
@@ -311,7 +313,7 @@ RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer comm
     if (stride % 4 || stride < 28)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(stride)
                         + ": expected a multiple of 4 that holds origin and direction");
-    rayOrderBytes(count);
+    rayOrderBytes(count); // throws if there are too many rays
     const Scene& scene = *sceneOf(hscene);
     if (count)
       recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});

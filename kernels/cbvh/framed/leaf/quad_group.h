@@ -12,11 +12,11 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! 2 x 2 quads in their block's frame. */
+    /*! 2 x 2 quads in their block's frame, or the quarters of a block's only quad. */
     struct QuadGroup
     {
       double vertices[9][3]; //!< row by row
-      ExactBox boxes[4];     //!< bounds of the quads, enlarged by `rounding`; empty if a vertex is not finite
+      ExactBox boxes[4];     //!< bounds of the quads, see BlockGeometry::boundCell(); empty if a vertex is not finite
       double rounding[3];    //!< see BlockGeometry
       bool border[2][2];     //!< [axis][upper]: the side is on the block's border
 
@@ -29,7 +29,9 @@ namespace embree
         return false;
       }
 
-      /*! Distance in z that a surface with these absolute slopes must keep from the vertices, because of rounding. */
+      /*! Rounding error of a vertex's distance in z from a surface with these absolute slopes along x and y. Bounds of
+       *  the surface must keep this distance from the vertices. On the block's border, the surface itself must be this
+       *  far above them. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }
