@@ -84,7 +84,8 @@ void checkBelow(const unsigned int* values, size_t count, size_t bound, const ch
         + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + targets);
 }
 
-/* Throws if an index or count would make Embree access memory outside of the buffers. */
+/* Throws if a face has fewer than 3 vertices, if the faces do not use all indices, or if an index or count would make
+ * Embree access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
   require(cage.vertices.numVertices > 0, "there are no vertices");
@@ -109,7 +110,8 @@ void checkTopology(const CbvhCage& cage)
 } // namespace
 
 /* Faces without four corners have a sub-patch per corner. In sub-patch i + 4 j, u is 2 i + 0.5 to 2 i + 1.5, and v is
- * 2 j + 0.5 to 2 j + 1.5. Parameters up to 0.5 outside of it are accepted. */
+ * 2 j + 0.5 to 2 j + 1.5. Parameters up to 0.5 outside of it are accepted. Requires a cage with attributes: others have
+ * no nonQuads. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
@@ -335,7 +337,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Removes the callback. If the commit fails, also removes the request for compression. */
+  /* Removes the callback. If commitInput() throws, also removes the request for compression. */
   struct Restore
   {
     const std::shared_ptr<Input> input;
@@ -380,7 +382,8 @@ void CbvhSurfaceTy::commitInput()
     const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  /* If Embree reports an error although it stored the blocks, the commit succeeds before it throws. */
+  /* If Embree reports an error although it stored the blocks, the input becomes the current one before the error is
+   * thrown. */
   const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->embreeGeometry())) {
     if (failure) throw failure;

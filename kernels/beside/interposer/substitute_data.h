@@ -43,6 +43,7 @@ inline SubstituteData* asSubstituteData(void* userData)
 
 /* Returns zeroed data, or NULL if the address range is exhausted or cannot be reserved. */
 SubstituteData* newSubstituteData();
+/* data: result of newSubstituteData(), not NULL. */
 void deleteSubstituteData(SubstituteData* data);
 
 /* False until the first substitute is created. Until then, queries are passed to Embree unchanged. */

@@ -170,7 +170,8 @@ namespace embree
         builder.reset();
       }
 
-      /*! True for mesh blocks, false for cVERT. A moving surface has only one of them (surface/mesh_regions.cpp). */
+      /*! True if the first moving block is a mesh block. A build stores all blocks of a moving surface as one type
+       *  (surface/mesh_regions.cpp); in a file, types may be mixed. */
       static bool areMovingMeshBlocks (const SurfaceBlocks& blocks)
       {
         if (blocks.moving.empty()) return false;
@@ -179,7 +180,9 @@ namespace embree
         return type == cbvh::MOVING_MESH_BLOCK;
       }
 
-      /*! Returns the mask of ThreadCaches that rays through the surfaces may use. */
+      /*! Returns the mask of ThreadCaches that rays through the surfaces may use, from statistics, which are optional
+       *  in files. Has vertCache even for a mesh without grids, and meshCache if all irregular quads are in narrow
+       *  grids. */
       unsigned cachesOf (const std::vector<Surface>& surfaces) const
       {
         unsigned caches = 0;

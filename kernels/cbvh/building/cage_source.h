@@ -5,7 +5,8 @@
 
 /* The faces of a cage as a source of patches (surface/source.h). Patches become blocks of the requested kind, or of
  * another one if it cannot represent them (framed/writer.h). They become Embree's grids if the geometry is not
- * compressed, if blocks do not support their edge rates, or where a block has no valid frame. */
+ * compressed, or if blocks do not support their edge rates. Parts of a patch without a valid frame can also become
+ * grids (FramedWriter::writeBlock). */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -74,8 +75,8 @@ namespace embree
           });
       }
 
-      /*! A face without a surface at all steps is skipped without an error, as in Embree. Invalid quads come from
-       *  displacement functions, and from control vertices that are not finite at some steps. */
+      /*! A face that has a surface at no step is skipped without an error, as in Embree. Invalid quads come from
+       *  displacement functions, and from control vertices that are not finite at some of the steps. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
@@ -141,8 +142,9 @@ namespace embree
           plan.maxErrorSetsFrameLevel() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! Chooses the lowest frame level per face that keeps max_error, by encoding its blocks on trial, once per
-       *  build, because displacement functions may return other values the next time. */
+      /*! Sets the frame level of each face to the highest level that one of its patches needs to keep max_error.
+       *  FramedWriter::boundedFrameLevel() encodes blocks on trial. Call it once per build: a second call could choose
+       *  other levels, because displacement functions may return other values. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {
@@ -169,7 +171,7 @@ namespace embree
       SubdivMesh* mesh;
       const CompressionPlan& plan;
       mvector<unsigned char> frameLevel;      //!< by face; empty unless maxErrorSetsFrameLevel()
-      std::unique_ptr<CageBorders> borders;   //!< null unless faces share borders, and after release()
+      std::unique_ptr<CageBorders> borders;   //!< null if faces share no borders, and outside of prepare() to release()
     };
   }
 }

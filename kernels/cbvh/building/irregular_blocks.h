@@ -35,7 +35,8 @@ namespace embree
       }
       void release () { triangles.release(); }
 
-      /*! Adds blocks and statistics to `results`, after the blocks of the geometry's numGrids grids. */
+      /*! Adds blocks and statistics to `results`, after the blocks of the geometry's numGrids grids. Call it once,
+       *  after prepare(): it reorders the primitives. progress: as in SurfaceBuilder::build(). */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -93,8 +94,8 @@ namespace embree
           [&](const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups) { writer->write(cluster,groups); });
       }
 
-      /*! Splits each batch that is too large for a task in two. Returns false if there is none. depth: number of
-       *  previous calls. */
+      /*! Splits each batch that is too large for a task in two. Returns false if no batch is too large. group:
+       *  primitives of a full group. depth: number of previous calls. */
       bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& batches)
       {
         std::vector<size_t> halves(batches.size(),0);

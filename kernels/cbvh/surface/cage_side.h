@@ -27,9 +27,10 @@ namespace embree
         return SharedVertex(interior[(isReversed ? rate-k : k) - 1],exponent);
       }
 
-      /*! Returns the first (0) or second (1) half of an n-gon's edge, counted around the face. Embree gives such an
-       *  edge an even rate in both faces, but a quad without an opposite half-edge can have an odd one. The n-gon then
-       *  uses the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
+      /*! Returns the first (0) or second (1) half of an n-gon's edge, counted around the face. The rate is even if
+       *  half-edges are opposites, but an edge without opposites (cage_topology.h) can have the odd rate of a quad. The
+       *  halves then meet at the vertex before the middle, as in Embree's stitching; if the rate is 1, the first half
+       *  is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A warning for a max_error so large that vertices of quads coincide, which shows as speckles. */
+/* A warning for a max_error so large that quads flip, which shows as speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -17,8 +17,8 @@ namespace embree
     /*! Spacing, as a fraction of an edge, at which the first quads flip. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge: the
-     *  lattice's spacing and the median edge, averaged over a geometry's primitives. */
+    /*! Warns on stderr, once per process and instruction set, or in every call if the device or environment is verbose.
+     *  spacing, edge: the lattice's spacing and the median edge; averages if each primitive has its own lattice. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

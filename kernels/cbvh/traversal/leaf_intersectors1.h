@@ -34,8 +34,9 @@ namespace embree
       };
 #endif
 
-      /*! Intersects a leaf that does not move. Returns false if it is not a block. found: set to whether a hit was
-       *  accepted. framed, vertRay: the ray for blocks with and without frames. */
+      /*! Intersects a leaf that does not move. Returns false if it is not a block. Otherwise sets `found` to whether a
+       *  hit was accepted. framed, vertRay: the ray for blocks with and without frames. For the closest hit with a
+       *  framed block, the caller must first call framed.setEntryT(). */
       template<typename RayType>
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed,
                                          VertRay& vertRay, const void* prim, bool& found)

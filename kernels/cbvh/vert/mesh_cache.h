@@ -19,10 +19,11 @@ namespace embree
     {
       const void* block;             //!< block that the entry belongs to, or null
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections
-      /* first bits of each group's data in the section */
+      /* first bits of each group's data, from the start of the section */
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
-      alignas(16) uint16_t firstVertex[16]; //!< of each group; 0x7FFF in lanes without a group
+      /*! Index in the block of the first vertex that belongs to each group; 0x7FFF in lanes without a group. */
+      alignas(16) uint16_t firstVertex[16];
       alignas(32) uint16_t fieldBitOfVertex0[16]; //!< see fieldBitOfVertex
       alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of each group: on x, y and z, and in total
       alignas(64) uint32_t lower[3][16];    //!< [axis][group]: coordinates to which vertex fields are relative
@@ -41,7 +42,7 @@ namespace embree
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
-      bool hasNextHalf;                //!< the group has a second half
+      bool hasNextHalf;                //!< this is the first half of a group with two
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
       alignas(16) uint8_t corners[3][16]; //!< [corner][lane]: vertex, below 32; in the application's order
@@ -64,8 +65,8 @@ namespace embree
         return blocks[blocks.indexOf(localityHashOfBlock(block,1024))];
       }
 
-      /*! The 32 entries of a block's halves, in the order of keyOfHalf. 64: 2048 bytes per 32 halves. If a key
-       *  differs, the caller must decode the half into the entry and set the key. */
+      /*! The 32 entries of a block's halves, in the order of keyOfHalf. If a key differs, the caller must decode the
+       *  half into the entry and set the key. 64: neighboring blocks of 64 x 32 bytes or more share no entries. */
       __forceinline MeshTriangles* halves (const void* block) {
         return &groups[groups.indexOf(localityHashOfBlock(block,64))];
       }
