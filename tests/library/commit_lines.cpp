@@ -129,7 +129,7 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   };
   SurfaceSettings settings;
   settings.rate = 64;
-  for (const char* environment : {"1,verbose", "verbose,cvert"}) {
+  for (const char* environment : {"1,verbose", "verbose,cvert", "1,verbose=1", "verbose=0,verbose=2,1"}) {
     const std::string line = lineOf(environment, "", settings);
     EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
     EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
@@ -149,7 +149,8 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   }
   EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"),
             std::string::npos);
-  EXPECT_EQ(lineOf("1", "", settings), "");
+  for (const char* environment : {"1", "1,verbose=0", "1,verbose,verbose=0"})
+    EXPECT_EQ(lineOf(environment, "", settings), "") << environment;
   EXPECT_EQ(lineOf("verbose", "", settings), "");
   settings.edgeRates.assign(24, 8);
   settings.edgeRates[0] = 300;

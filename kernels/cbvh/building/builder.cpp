@@ -15,6 +15,7 @@
 #include "moving_blocks.h"
 #include "../stored/report.h"
 #include "surface_builder.h"
+#include <algorithm>
 
 namespace embree
 {
