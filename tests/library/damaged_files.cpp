@@ -371,6 +371,39 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
   EXPECT_GT(most, 0u);
 }
 
+// A function that returns false needs no further blocks: the library neither reads nor checks them.
+TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead)
+{
+  const RTCCompressedPartFunction countOne = [](void* calls, const RTCCompressedPart*) {
+    ++*(size_t*)calls;
+    return false;
+  };
+  const RTCCompressedPartFunction countAll = [](void* calls, const RTCCompressedPart*) {
+    ++*(size_t*)calls;
+    return true;
+  };
+  size_t most = 0;
+  for (int half : {0, 1}) { // the order of blocks is unspecified: one half begins with a valid block
+    FileBytes file(sound);
+    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
+    writeBytes(path, file.bytes);
+    size_t ended = 0, all = 0;
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(geometry, nullptr) << device.message;
+    rtcForEachCompressedPart(geometry, 0, countOne, &ended);
+    const RTCError error = device.takeError();
+    EXPECT_LE(ended, 1u);
+    EXPECT_EQ(error == RTC_ERROR_NONE, ended == 1) << device.message;
+    rtcForEachCompressedPart(geometry, 0, countAll, &all);
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_EQ(all > 0, ended == 1);
+    most = std::max(most, all);
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_GT(most, 0u);
+}
+
 TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
