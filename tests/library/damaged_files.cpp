@@ -220,6 +220,44 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
     }
 }
 
+TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
+{
+  using embree::cbvh::BlockHeader;
+  Random random(8);
+  SurfaceSettings settings;
+  settings.rate = 16;
+  RTCGeometry geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_CGRID, 0, 0);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+  rtcReleaseGeometry(geometry);
+  const std::string bytes = bytesOf(path);
+  const auto makeConstant = [](BlockHeader& block) {
+    for (float (&column)[4] : block.columns)
+      for (int k = 0; k < 3; k++) column[k] = 0;
+  };
+  const std::pair<const char*, std::function<void(BlockHeader&)>> cases[] = {
+    {"the center of its frame is not finite", [](BlockHeader& block) { block.center[1] = INFINITY; }},
+    {"a column of its frame is not finite", [](BlockHeader& block) { block.columns[2][3] = NAN; }},
+    {"X, Y and Z of its frame do not depend on the point", makeConstant},
+    {"X, Y and Z of its frame do not depend on the point",
+     [&](BlockHeader& block) { // points on a line
+       makeConstant(block);
+       block.columns[0][3] = 0.5f;
+     }}};
+  for (const auto& [message, damage] : cases) {
+    SCOPED_TRACE(message);
+    FileBytes file(bytes);
+    const auto& record = file.record(0);
+    for (size_t i = 0; i < 6; i++)
+      damage(*(BlockHeader*)&file.bytes[record.blocks + i*(record.blockBytes/6)]);
+    writeBytes(path, file.bytes);
+    Scene scene(device);
+    loadInto(scene);
+    for (const RTCRayHit& hit : closestHits(scene, raysAt(random, 200), QueryForm::Single)) ASSERT_FALSE(isHit(hit));
+    EXPECT_EQ(device.errors, 1u);
+    EXPECT_NE(device.message.find(message), std::string::npos) << device.message;
+  }
+}
+
 TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
