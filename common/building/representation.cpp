@@ -135,6 +135,15 @@ bool Representation::hasFrames() const
   return namesOf(kind).hasFrames;
 }
 
+std::string Representation::replacementInMotion() const
+{
+  if (!hasFrames())
+    return "";
+  /* Without fallback faces, the library leaves motion to GRID. */
+  return kind == RepresentationKind::CLeafOnly ? labelOf(RepresentationKind::Grid)
+                                               : "stored as " + labelOf(RepresentationKind::CVert);
+}
+
 bool Representation::isTriangulated() const
 {
   return kind == RepresentationKind::Naive || kind == RepresentationKind::NaiveCompact;

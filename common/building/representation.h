@@ -63,6 +63,10 @@ struct Representation
 
   bool hasFrames() const;
 
+  /* Names what the library builds instead if the surface moves: "stored as cVERT" or "GRID". Empty if this
+   * representation supports motion, or is triangulated. */
+  std::string replacementInMotion() const;
+
   /* Faces that leaves approximate badly are stored as cVERT. */
   bool hasFallbackFaces() const { return kind == RepresentationKind::CLeaf; }
 

@@ -3,11 +3,15 @@
 
 #pragma once
 
-/* Warnings of loadScene, one per line. */
+/* Warnings about models and representations, one per line. */
+
+#include "building/representation.h"
+#include "surface/model.h"
 
 #include <cstdio>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
@@ -18,6 +22,24 @@ inline std::string prefixLines(const std::string& prefix, const std::string& war
   for (std::string line; std::getline(lines, line);)
     all += prefix + line + "\n";
   return all;
+}
+
+/* Names each representation that does not support motion, and what the library builds instead. Empty for static
+ * models. */
+inline std::string motionWarnings(const Model& model, const std::vector<Representation>& representations)
+{
+  std::string lines;
+  if (model.poses.empty())
+    return lines;
+  for (const Representation& r : representations)
+  {
+    const std::string replacement = r.replacementInMotion();
+    const std::string line =
+      optionNameOf(r.kind) + " is " + replacement + ", because blocks with frames do not move\n";
+    if (!replacement.empty() && lines.find(line) == std::string::npos) // the same for all frame levels
+      lines += line;
+  }
+  return lines;
 }
 
 inline void printWarnings(const std::string& program, const std::string& warnings)

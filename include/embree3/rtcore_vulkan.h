@@ -249,7 +249,7 @@ struct RTCVulkanSceneStatistics
   size_t uploadedBytes;     /* bytes sent to the device for this scene, without shared ones */
   /* of scenes for ray queries */
   size_t structureBytes;    /* the driver's structures, part of deviceBytes, including structures that scenes share */
-  size_t numBoxes;          /* in bottom-level structures */
+  size_t numBoxes;          /* in bottom-level structures, each structure counted once */
   size_t numBuiltBoxes, numUpdatedBoxes; /* boxes in structures that were built, or updated, for this scene */
 };
 

@@ -3,6 +3,7 @@
 
 #include "building/representation.h"
 #include "basics/error.h"
+#include "programs/warnings.h"
 #include "support/turkish_locale.h"
 
 #include <gtest/gtest.h>
@@ -107,6 +108,20 @@ TEST(Representation, CompactTrianglesDifferByAFlagOfTheScene)
   EXPECT_EQ(list[1].sceneFlags(), RTC_SCENE_FLAG_COMPACT);
   EXPECT_EQ(list[2].sceneFlags(), RTC_SCENE_FLAG_NONE);
   EXPECT_EQ(meshRepresentations(), "grid,naive-compact,cvert");
+}
+
+// The programs' labels name what the user asked for. The library stores other blocks, or none, if the surface moves.
+TEST(Representation, NamesWhatReplacesItInMotion)
+{
+  Model model;
+  const auto all = parseRepresentations(listOfRepresentations(",") + ",cgrid^2", autoFrameLevel);
+  EXPECT_EQ(motionWarnings(model, all), "") << "a static model";
+  model.poses.resize(1);
+  const std::string why = ", because blocks with frames do not move\n";
+  EXPECT_EQ(motionWarnings(model, all),
+            "cgrid is stored as cVERT" + why + "cvoxel is stored as cVERT" + why + "cleaf is stored as cVERT" + why +
+              "cleaf-only is GRID" + why);
+  EXPECT_EQ(motionWarnings(model, parseRepresentations("naive,naive-compact,grid,cvert", autoFrameLevel)), "");
 }
 
 TEST(Representation, FrameLevelsAreLimitedLikeTheLibrarys)

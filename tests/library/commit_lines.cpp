@@ -11,11 +11,12 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <sstream>
 
 namespace cbvh::test {
 namespace {
 
-std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
+std::string commitTextOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
 {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
@@ -29,6 +30,12 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
   const std::string text = testing::internal::GetCapturedStderr();
   EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos)
     << "programs write pictures there";
+  return text;
+}
+
+std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
+{
+  const std::string text = commitTextOf(config, add);
   const size_t begin = text.rfind("compression: "); // the commit of the scene comes last
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
@@ -110,6 +117,38 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
+// Static and moving surfaces have a line each. A line lists the uncompressed geometries of both if it is the only one.
+TEST(CommitLine, ListsEachUncompressedGeometryOnce)
+{
+  Random random(1);
+  const DicedMesh fixed = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random),
+                  moving = meshOf(dicedSheet(1, 4), QuadOrder::Rows, random);
+  const std::string fixedText = "64 quads that are too few", movingText = "16 quads that are too few";
+  for (unsigned sorts : {1u, 2u, 3u}) {
+    const bool hasStatic = sorts & 1, hasMoving = sorts & 2;
+    const std::string text = commitTextOf("", [&](RTCDevice device, RTCScene scene) {
+      attach(scene, newMesh(device, fixed));
+      attach(scene, newMesh(device, moving, RTC_COMPRESSION_INHERIT, 0, 2));
+      if (hasStatic) attach(scene, newGrids(device, dicedSheet(2, 32)));
+      if (hasMoving) attach(scene, newGrids(device, dicedSheet(2, 32), RTC_COMPRESSION_INHERIT, 0, 2));
+    });
+    SCOPED_TRACE(text);
+    size_t numLines = 0;
+    std::vector<size_t> linesOfFixed, linesOfMoving;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find("Embree would use about") == std::string::npos) continue; // the commit of a geometry
+      if (line.find(fixedText) != std::string::npos) linesOfFixed.push_back(numLines);
+      if (line.find(movingText) != std::string::npos) linesOfMoving.push_back(numLines);
+      numLines++;
+    }
+    EXPECT_EQ(numLines, size_t(hasStatic) + size_t(hasMoving));
+    ASSERT_EQ(linesOfFixed.size(), 1u);
+    ASSERT_EQ(linesOfMoving.size(), 1u);
+    EXPECT_EQ(linesOfFixed == linesOfMoving, numLines == 1) << "the line of its own sort lists a geometry";
+  }
+}
+
 TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
@@ -129,7 +168,7 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   };
   SurfaceSettings settings;
   settings.rate = 64;
-  for (const char* environment : {"1,verbose", "verbose,cvert"}) {
+  for (const char* environment : {"1,verbose", "verbose,cvert", "1,verbose=1", "verbose=0,verbose=2,1"}) {
     const std::string line = lineOf(environment, "", settings);
     EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
     EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
@@ -149,7 +188,8 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   }
   EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"),
             std::string::npos);
-  EXPECT_EQ(lineOf("1", "", settings), "");
+  for (const char* environment : {"1", "1,verbose=0", "1,verbose,verbose=0"})
+    EXPECT_EQ(lineOf(environment, "", settings), "") << environment;
   EXPECT_EQ(lineOf("verbose", "", settings), "");
   settings.edgeRates.assign(24, 8);
   settings.edgeRates[0] = 300;

@@ -291,6 +291,9 @@ TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue)
                                                        {"leaf,max_error=-1", "-1"},
                                                        {"leaf,max_error=nan", "nan"},
                                                        {"leaf,paint=2", "paint=2"},
+                                                       {"leaf,verbose=yes", "yes"},
+                                                       {"leaf,verbose=-1", "-1"},
+                                                       {"leaf,verbose=", "positive integer"},
                                                        {"cbvh.foo", "cbvh.foo"},
                                                        {"cgrids", "cgrids"}};
   for (const auto& c : cases) {

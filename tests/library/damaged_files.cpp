@@ -220,6 +220,44 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
     }
 }
 
+TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
+{
+  using embree::cbvh::BlockHeader;
+  Random random(8);
+  SurfaceSettings settings;
+  settings.rate = 16;
+  RTCGeometry geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_CGRID, 0, 0);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+  rtcReleaseGeometry(geometry);
+  const std::string bytes = bytesOf(path);
+  const auto makeConstant = [](BlockHeader& block) {
+    for (float (&column)[4] : block.columns)
+      for (int k = 0; k < 3; k++) column[k] = 0;
+  };
+  const std::pair<const char*, std::function<void(BlockHeader&)>> cases[] = {
+    {"the center of its frame is not finite", [](BlockHeader& block) { block.center[1] = INFINITY; }},
+    {"a column of its frame is not finite", [](BlockHeader& block) { block.columns[2][3] = NAN; }},
+    {"X, Y and Z of its frame do not depend on the point", makeConstant},
+    {"X, Y and Z of its frame do not depend on the point",
+     [&](BlockHeader& block) { // points on a line
+       makeConstant(block);
+       block.columns[0][3] = 0.5f;
+     }}};
+  for (const auto& [message, damage] : cases) {
+    SCOPED_TRACE(message);
+    FileBytes file(bytes);
+    const auto& record = file.record(0);
+    for (size_t i = 0; i < 6; i++)
+      damage(*(BlockHeader*)&file.bytes[record.blocks + i*(record.blockBytes/6)]);
+    writeBytes(path, file.bytes);
+    Scene scene(device);
+    loadInto(scene);
+    for (const RTCRayHit& hit : closestHits(scene, raysAt(random, 200), QueryForm::Single)) ASSERT_FALSE(isHit(hit));
+    EXPECT_EQ(device.errors, 1u);
+    EXPECT_NE(device.message.find(message), std::string::npos) << device.message;
+  }
+}
+
 TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
@@ -366,6 +404,39 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
     EXPECT_EQ(report.bytes, sums.bytes);
     EXPECT_EQ(report.numClustersByReason[3], 0u);
     most = std::max(most, report.numClusters);
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_GT(most, 0u);
+}
+
+// A function that returns false needs no further blocks: the library neither reads nor checks them.
+TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead)
+{
+  const RTCCompressedPartFunction countOne = [](void* calls, const RTCCompressedPart*) {
+    ++*(size_t*)calls;
+    return false;
+  };
+  const RTCCompressedPartFunction countAll = [](void* calls, const RTCCompressedPart*) {
+    ++*(size_t*)calls;
+    return true;
+  };
+  size_t most = 0;
+  for (int half : {0, 1}) { // the order of blocks is unspecified: one half begins with a valid block
+    FileBytes file(sound);
+    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
+    writeBytes(path, file.bytes);
+    size_t ended = 0, all = 0;
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(geometry, nullptr) << device.message;
+    rtcForEachCompressedPart(geometry, 0, countOne, &ended);
+    const RTCError error = device.takeError();
+    EXPECT_LE(ended, 1u);
+    EXPECT_EQ(error == RTC_ERROR_NONE, ended == 1) << device.message;
+    rtcForEachCompressedPart(geometry, 0, countAll, &all);
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_EQ(all > 0, ended == 1);
+    most = std::max(most, all);
     rtcReleaseGeometry(geometry);
   }
   EXPECT_GT(most, 0u);

@@ -131,6 +131,12 @@ PYTHON
 "$program" --scene cube --motion turn --level 3 --representation cvert --rays 500 --repeat 1 --size 40x32 \
   --json "$folder/moving.json" \
   >"$folder/stdout" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+grep -q "do not move" "$folder/stderr" && complain "a warning about cVERT in motion: $(cat "$folder/stderr")"
+"$program" --scene cube,cube:0.1 --motion turn --level 2 --representation cgrid,cleaf-only --repeat 0 --size 16x16 \
+  >"$folder/stdout" 2>"$folder/framed.err" || complain "motion of frames: $(cat "$folder/framed.err")"
+[ "$(grep -c "^cbvh_bench: warning: cgrid is stored as cVERT" "$folder/framed.err")" = 1 ] &&
+  grep -q "^cbvh_bench: warning: cleaf-only is GRID" "$folder/framed.err" ||
+  complain "no warning about blocks with frames: $(cat "$folder/framed.err")"
 /usr/bin/python3 -B -c '
 import json, sys
 group = json.load(open(sys.argv[1]))["groups"][0]

@@ -49,6 +49,12 @@ done
 grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat "$folder/stdout")'"
 [ -z "$(find "$folder" -name '*cbvh-part*')" ] || complain "temporary files are left"
 
+# Labels do not name what the library builds for motion.
+"$program" --scene cube --motion turn --level 2 --size 16x16 --samples 1 --device cpu --representation cvoxel \
+  --output "$folder/moving.png" >/dev/null 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+grep -q "^cbvh_pathtracer: warning: cvoxel is stored as cVERT" "$folder/stderr" ||
+  complain "no warning about blocks with frames: $(cat "$folder/stderr")"
+
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
   "$program" --scene cube --level 3 --size 64x64 --samples 2 --device cpu --threads $threads \

@@ -138,6 +138,13 @@ for time in 0 0.5; do
 done
 cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not rotate"
 
+# Labels do not name what the library builds for motion.
+"$program" --scene cube --motion turn --level 2 --size 64x64 --representation cleaf,cleaf-only --no-window \
+  --output "$folder/moving.png" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+grep -q "^cbvh_viewer: warning: cleaf is stored as cVERT" "$folder/stderr" &&
+  grep -q "^cbvh_viewer: warning: cleaf-only is GRID" "$folder/stderr" ||
+  complain "no warning about blocks with frames: $(cat "$folder/stderr")"
+
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
   "$program" --scene cube --level 4 --size 200x100 --threads $threads --no-window \

@@ -249,6 +249,28 @@ TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits)
   EXPECT_TRUE(areSame(found, rays));
 }
 
+// Instances with the same motion have the same boxes in world space, and share the structure over them.
+TEST_F(VulkanRayQuery, StatisticsCountASharedStructureOnce)
+{
+  Scene inside(embree);
+  addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_CVERT));
+  rtcCommitScene(inside);
+  std::vector<RTCVulkanSceneStatistics> statistics;
+  for (size_t count : {1u, 2u}) {
+    Scene scene(embree);
+    for (size_t i = 0; i < count; i++) attach(scene, newInstance(embree, inside, 0.5f, 2));
+    rtcCommitScene(scene);
+    const VulkanScene query = newQueryScene(device, scene);
+    ASSERT_NE(query, nullptr) << embree.message;
+    EXPECT_EQ(rtcGetVulkanSceneInstances(query.get(), nullptr, 0), count);
+    statistics.emplace_back();
+    rtcGetVulkanSceneStatistics(query.get(), &statistics.back());
+    EXPECT_EQ(statistics.back().numBuiltBoxes, statistics.back().numBoxes) << "no other scene has them";
+  }
+  EXPECT_GT(statistics[0].numBoxes, 0u);
+  EXPECT_EQ(statistics[1].numBoxes, statistics[0].numBoxes);
+}
+
 TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
 {
   Scene scene(embree);

@@ -27,6 +27,8 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
   {
     options.libraries.front().use();
     const Model model = loadModel(options, bench);
+    if (&bench == &options.scenes.front()) // all scenes have the same motion, or none
+      printWarnings("cbvh_bench", motionWarnings(model, options.representations));
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurfaces> surfaces;
     if (options.trueHits && model.poses.empty()) // unknown for later time steps

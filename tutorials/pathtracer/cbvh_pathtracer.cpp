@@ -85,6 +85,7 @@ int run(int argc, char** argv)
     requireWindows();
   installCancelHandler();
   const Model model = loadProgramScene("cbvh_pathtracer", options->scene);
+  printWarnings("cbvh_pathtracer", motionWarnings(model, {options->representation}));
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   const std::unique_ptr<PathTracer> tracer =

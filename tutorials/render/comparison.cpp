@@ -19,6 +19,7 @@
 #include "measure/self_shadow.h"
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "surface/mesh.h"
 #include "tracing/trace_hits.h"
 
@@ -50,10 +51,7 @@ MemoryPlan planOf(const Options& options, const Model& model, const BuildSetting
   }
   for (const std::string& line : plan.skipped)
     std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
-  for (const Representation& r : plan.built)
-    if (!model.poses.empty() && r.hasFrames())
-      std::fprintf(stderr, "cbvh_render: %s is %s, because blocks with frames do not move\n",
-                   optionNameOf(r.kind).c_str(), r.kind == RepresentationKind::CLeafOnly ? "GRID" : "stored as cVERT");
+  printWarnings("cbvh_render", motionWarnings(model, plan.built));
   return plan;
 }
 

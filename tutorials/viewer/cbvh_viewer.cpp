@@ -17,7 +17,7 @@ void writeOutput(const ViewerOptions& options)
 {
   Worker worker;
   Document document(loadModel(options.scene, options), options, worker);
-  printWarnings("cbvh_viewer", document.loaded->warnings);
+  printWarnings("cbvh_viewer", document.loaded->warnings + motionWarnings(document.model(), options.representations));
   const int level = options.autoLevel ? autoLevel : options.build.level;
   ViewState state{options.representations, level, options.mode, std::nullopt};
   if (options.autoLevel && !document.model().isMesh)

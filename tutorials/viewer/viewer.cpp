@@ -147,8 +147,10 @@ void Viewer::showLoaded()
   requested.camera.reset();
   latestCamera.reset();
   shown = requested;
-  printWarnings("cbvh_viewer", document->loaded->warnings);
-  lastMessage = prefixLines("warning: ", document->loaded->warnings);
+  const std::string warnings =
+    document->loaded->warnings + motionWarnings(document->model(), requested.representations);
+  printWarnings("cbvh_viewer", warnings);
+  lastMessage = prefixLines("warning: ", warnings);
 }
 
 /* --- every frame ------------------------------------------------------------------------- */
@@ -286,6 +288,8 @@ void Viewer::requestState(const ViewState& state)
   else
     requested = state;
   lastMessage.clear();
+  if (document)
+    lastMessage = prefixLines("warning: ", motionWarnings(document->model(), requested.representations));
   if (isFile() && !panes()[0].canShow(requested.mode))
     lastMessage = "mode " + std::string(pictureModeName(requested.mode)) + " needs a model, but a file contains none";
   requestScenes();

@@ -48,6 +48,11 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
+static bool isVerbosity(const std::string& text)
+{
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
 /* Items of EMBREE_CBVH that messages suggest. */
 static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
@@ -83,6 +88,7 @@ static bool parse(const std::string& item, Options& options)
   if (key == "grids") return parseSwitch(value, options.compressesGrids);
   if (key == "quads") return parseSwitch(value, options.compressesQuads);
   if (key == "triangles") return parseSwitch(value, options.compressesTriangles);
+  if (key == "verbose") return isVerbosity(value);
   return key == "release_input" && (value == "0" || value == "1");
 }
 
@@ -108,7 +114,8 @@ const Options& options()
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
       const std::string error = nearest == key ? "has no valid value." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
-               "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
+               "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, verbose=<number>, "
+               "and 0",
                item.c_str(), error.c_str());
     }
     read.isOn &= !isInvalid;

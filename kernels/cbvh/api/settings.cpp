@@ -166,18 +166,20 @@ namespace embree
     unknownKeys.clear();
     for (const std::string& item : environmentItems())
     {
+      bool isVerbose;
+      if (parseVerbose(item,isVerbose)) continue; // environmentRequestsCommitLines() reads it
       const size_t equals = item.find('=');
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "verbose") {} // base/environment.h reads it
-        else if (key == "release_input") releasesInput = true;
+        if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = preferredCompression;
         else if (isKey(key) || key == "level") throwInvalid("EMBREE_CBVH",item,"expected " + key + "=<value>");
         else if (!parseKind(key,compression))
           throwInvalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }
+      else if (key == "verbose") throwInvalid("EMBREE_CBVH verbose",value,"expected 0 or a positive integer");
       else if (key == "level") setFrameLevel("EMBREE_CBVH level",value);
       else if (isKey(key)) set("EMBREE_CBVH " + key,key,value);
       else throwUnknownKey("EMBREE_CBVH",item,"");

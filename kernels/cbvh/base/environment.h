@@ -5,7 +5,6 @@
 
 /* The environment variable EMBREE_CBVH: a comma-separated list, for example "1,max_error=0.001,verbose". */
 
-#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <string>
@@ -29,10 +28,23 @@ namespace embree
     return all;
   }
 
-  /*! True if commits must print a line even at verbosity 0. */
+  /*! Parses "verbose", and "verbose=N" as in device strings, where 0 prints nothing. Returns false for other items, and
+   *  then leaves isVerbose unchanged. */
+  inline bool parseVerbose (const std::string& item, bool& isVerbose)
+  {
+    if (item == "verbose") return isVerbose = true;
+    const std::string prefix = "verbose=";
+    if (item.compare(0,prefix.size(),prefix) != 0 || item.size() == prefix.size()) return false;
+    if (item.find_first_not_of("0123456789",prefix.size()) != std::string::npos) return false;
+    isVerbose = item.find_first_not_of('0',prefix.size()) != std::string::npos;
+    return true;
+  }
+
+  /*! True if commits must print a line even at verbosity 0. The last of several items applies. */
   inline bool environmentRequestsCommitLines ()
   {
-    const std::vector<std::string> items = environmentItems();
-    return std::find(items.begin(),items.end(),"verbose") != items.end();
+    bool isVerbose = false;
+    for (const std::string& item : environmentItems()) parseVerbose(item,isVerbose);
+    return isVerbose;
   }
 }

@@ -15,6 +15,7 @@
 #include "moving_blocks.h"
 #include "../stored/report.h"
 #include "surface_builder.h"
+#include <algorithm>
 
 namespace embree
 {
@@ -259,6 +260,17 @@ namespace embree
         return tree.bytes;
       }
 
+      /*! True if the builder of the scene's other surfaces, moving or static, also prints a line. */
+      bool doesOtherBuilderReport () const
+      {
+        if (!cbvh::hasCompressedGeometry(scene,!moves)) return false; // there is no such builder
+        for (size_t i=0; i<scene->size(); i++) {
+          const CompressibleGeometry* const geometry = asTreeGeometry(scene->get(i),!moves);
+          if (geometry && geometry->size() != 0) return true;
+        }
+        return false;
+      }
+
       void reportCommit (const std::vector<Surface>& surfaces) const
       {
         if (!scene->device->verbosity(1) && !environmentRequestsCommitLines()) return;
@@ -268,11 +280,12 @@ namespace embree
           if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
           else line.addUncompressed(surface.geometry);
         }
+        const bool listsOthers = !doesOtherBuilderReport();
         for (size_t i=0; i<scene->size(); i++) {
           const CompressibleGeometry* const geometry = scene->get(i)
             && scene->get(i)->isEnabled() ? asCompressible(scene->get(i)) : nullptr;
-          if (geometry && !geometry->isCompressed()
-            && geometry->surface.rejectionReason) line.addUncompressed(geometry);
+          if (!geometry || geometry->isCompressed() || !geometry->surface.rejectionReason) continue;
+          if (listsOthers || (geometry->numTimeSteps != 1) == moves) line.addUncompressed(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
         std::cerr << line.text(treeBytes,report->statistics) << std::endl;

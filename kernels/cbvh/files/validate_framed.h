@@ -15,18 +15,18 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False if a frame is not finite, or its X, Y and Z do not depend on the point. */
-    inline bool isFrame(const BlockHeader& header)
+    /*! Returns the first error in a frame. */
+    inline Reason validateFrame(const BlockHeader& header)
     {
-      bool isZero = true;
+      bool isConstant = true; // W may still depend on the point
       for (int i=0; i<3; i++) {
-        if (!std::isfinite(header.center[i])) return false;
+        if (!std::isfinite(header.center[i])) return Reason::damaged("the center of its frame is not finite");
         for (int k=0; k<4; k++) {
-          if (!std::isfinite(header.columns[i][k])) return false;
-          isZero &= k == 3 || header.columns[i][k] == 0.0f;
+          if (!std::isfinite(header.columns[i][k])) return Reason::damaged("a column of its frame is not finite");
+          isConstant &= k == 3 || header.columns[i][k] == 0.0f;
         }
       }
-      return !isZero;
+      return isConstant ? Reason::damaged("X, Y and Z of its frame do not depend on the point") : Reason();
     }
 
     /*! Returns the first error in a block of at most `bytes` bytes. Decoders read no memory outside of a valid
@@ -39,7 +39,7 @@ namespace embree
       if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return Reason::damaged("its kind % is unknown",kind);
       if (height > maxFramedLevel)
         return Reason::damaged("its height % is out of range: expected 0 to %",height,maxFramedLevel);
-      if (!isFrame(header)) return Reason::damaged("its frame is not finite, or maps all points to one point");
+      if (const Reason reason = validateFrame(header)) return reason;
       if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling)))
         return Reason::damaged("its patch starts outside of its face");
       if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling))

@@ -19,13 +19,14 @@ namespace embree
   {
     namespace
     {
+      /*! Calls closure(block) until it returns false. Then returns false, too. */
       template<typename Closure>
-      void forEachBlock (BVH4::NodeRef ref, const Closure& closure)
+      bool forEachBlock (BVH4::NodeRef ref, const Closure& closure)
       {
-        if (ref == BVH4::emptyNode) return;
+        if (ref == BVH4::emptyNode) return true;
         if (!ref.isLeaf()) {
-          for (size_t i=0; i<4; i++) forEachBlock(ref.getAABBNode()->child(i),closure);
-          return;
+          for (size_t i=0; i<4; i++) if (!forEachBlock(ref.getAABBNode()->child(i),closure)) return false;
+          return true;
         }
         size_t type;
         const void* block = ref.leaf(type);
@@ -35,13 +36,14 @@ namespace embree
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
                          "to be stored as cVERT or cGRID");
-        closure(StoredBlock{ block,formatOfBlock(type) });
+        return closure(StoredBlock{ block,formatOfBlock(type) });
       }
 
+      /*! Calls closure(block) until it returns false. Later blocks are not read. */
       template<typename Closure>
       void forEachBlock (const SurfaceBlocks& blocks, const Closure& closure) {
-        for (const PrimRef& part : blocks.parts) forEachBlock(BVH4::NodeRef(part.ID()),closure);
-        for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
+        for (const PrimRef& part : blocks.parts) if (!forEachBlock(BVH4::NodeRef(part.ID()),closure)) return;
+        for (size_t block : blocks.moving) if (!forEachBlock(BVH4::NodeRef(block),closure)) return;
       }
 
       /*! Position of a block's quads in their patch, which determines parameters. Pairs of numbers are along u and
@@ -299,7 +301,7 @@ namespace embree
     BlockIndex::BlockIndex (const SurfaceBlocks& surface)
     {
       blocks.reserve(surface.numPrimRefs);
-      forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); });
+      forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); return true; });
       std::sort(blocks.begin(),blocks.end(),
                 [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
       for (size_t i=0; i<blocks.size(); i++)
@@ -396,10 +398,9 @@ namespace embree
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
-      bool shouldContinue = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (!shouldContinue || !isPresent(block,time)) return;
-          if (block.isMesh()) { shouldContinue = forEachMeshPart(block,time,closure); return; }
+          if (!isPresent(block,time)) return true;
+          if (block.isMesh()) return forEachMeshPart(block,time,closure);
           StoredPart part = StoredPart();
           part.primID = block.primID();
           const BlockPosition position(block);
@@ -409,8 +410,7 @@ namespace embree
             const DecodedBlock decoded(block,time);
             part.vertices = decoded.vertices[0].data();
             part.parameters = decoded.parameters[0].data();
-            shouldContinue = closure(block,part);
-            return;
+            return closure(block,part);
           }
           const uint32_t numbering = block.vert()->patchQuads;
           const VerticesAtTime decoded(block.vert(),time);
@@ -422,7 +422,7 @@ namespace embree
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
           part.primitivesPerQuad = isTriangleNumbering(numbering) ? 2 : 1;
-          shouldContinue = closure(block,part);
+          return closure(block,part);
         });
     }
   }

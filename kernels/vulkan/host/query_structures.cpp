@@ -4,6 +4,7 @@
 #include "query_structures.h"
 
 #include <algorithm>
+#include <set>
 
 namespace embree { namespace vulkan {
 namespace {
@@ -59,12 +60,13 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   uploader.flush();
   const BuildCounts counts = buildBottomLevels(device, requests);
   input.reset();
-  size_t numBoxes = 0;
-  std::map<const Structure*, size_t> bytes;   // counts shared structures once
+  size_t numBoxes = 0, structureBytes = 0;
+  std::set<const Structure*> counted;   // levels with the same boxes share a structure
   for (size_t i = 0; i < requests.size(); i++) {
     const Structure& structure = *requests[i].level->structure;
     out.levels[levelIDs[i]] = requests[i].level;
-    bytes[&structure] = structure.bytes;
+    if (!counted.insert(&structure).second) continue;
+    structureBytes += structure.bytes;
     numBoxes += requests[i].key.count;
   }
   for (auto& instance : instances)
@@ -79,8 +81,7 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   statistics.numBoxes = numBoxes;
   statistics.numBuiltBoxes = counts.built;
   statistics.numUpdatedBoxes = counts.updated;
-  statistics.structureBytes = out.topLevel->bytes;
-  for (const auto& entry : bytes) statistics.structureBytes += entry.second;
+  statistics.structureBytes = out.topLevel->bytes + structureBytes;
 }
 
 }} // namespace embree::vulkan
