@@ -30,9 +30,7 @@ struct BlockCounts
       if (!isMesh) continue;
       const cvert::MeshHeader& block = *static_cast<const cvert::MeshHeader*>(flat->blocks[i].data);
       meshes++;
-      bool isRanked = false;
-      for (uint32_t k = 0; k < 3; k++) isRanked |= cvert::hasRanks(block.spacings, k);
-      ranked += isRanked;
+      ranked += cvert::hasRanksOnAnyAxis(block.spacings);
       sheared += cvert::meshSlope(block.info, 1) != 0 || cvert::meshSlope(block.info, 2) != 0;
       ofQuads += (block.info & cvert::meshHasQuads) != 0;
     }

@@ -16,13 +16,6 @@ namespace embree
   {
     namespace
     {
-      bool hasRanksOnAnyAxis (const MeshHeader* block)
-      {
-        for (uint32_t axis=0; axis<3; axis++)
-          if (hasRanks(block->spacings,axis)) return true;
-        return false;
-      }
-
       class ClusterBuilder
       {
       public:
@@ -36,7 +29,7 @@ namespace embree
           this->part = &part;
           reasonForFloats = block.isMesh()
               ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING
-                : hasRanksOnAnyAxis(block.mesh()) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE
+                : hasRanksOnAnyAxis(block.mesh()->spacings) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE
               : !block.isVert() ? ClusterReason::FLOATS
               : isMoving(block.vert()->info) ? ClusterReason::MOVING
               : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::FLOATS

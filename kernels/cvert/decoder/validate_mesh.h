@@ -64,8 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (meshShearedAxis(header.info) > 2) return Reason::damaged("its sheared axis is 3: expected 0 to 2");
       if (slopes[0] < -maxSlope || slopes[1] < -maxSlope)
         return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
-      if ((slopes[0] | slopes[1]) != 0
-        && (hasRanks(header.spacings,0) || hasRanks(header.spacings,1) || hasRanks(header.spacings,2)))
+      if ((slopes[0] | slopes[1]) != 0 && hasRanksOnAnyAxis(header.spacings))
         return Reason::damaged("it has a sheared axis and an axis that counts floats: expected at most one of them");
       if (meshVertices(header.counts) > maxMeshVertices)
         return Reason::damaged("it has % vertices: expected at most %",meshVertices(header.counts),maxMeshVertices);

@@ -89,6 +89,9 @@ CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
 }
 
 CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
+CVERT_FUNCTION bool hasRanksOnAnyAxis (uint32_t spacings) {
+  return hasRanks(spacings,0u) || hasRanks(spacings,1u) || hasRanks(spacings,2u);
+}
 
 /*! Position of a float in the sequence of all floats. Neighboring floats differ by 1. 0 has rank 2^31. */
 CVERT_FUNCTION uint32_t rankOfFloat (float x)
