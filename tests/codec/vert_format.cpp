@@ -230,7 +230,7 @@ TEST(VertFormat, MotionMatchesPage)
   ASSERT_EQ(info.size(), 6u);
   expectFlag(info[1], hasRemainders);
   expectFlag(info[2], isFirstCellRotated);
-  expectFlag(info[3], hasUpperBits);
+  expectFlag(info[3], laterStepStoresUpperBits);
   expectFlag(info[4], hasMargins);
   EXPECT_EQ(beginBoundsStep(5u << info[5].first), 32u);
   const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");

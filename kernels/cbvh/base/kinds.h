@@ -48,7 +48,7 @@ struct KindFormat
   uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of fewer levels, leaves are parts of a quad
   uint32_t bytesPerGroup; //!< size of a group, the 2 x 2 leaves below a node of the last level; 0 without groups
   uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
-  uint32_t readPadding;   //!< bytes at the end of a block that decoders may read, part of its size
+  uint32_t tailPadding;   //!< zeros at the end of a block that decoders may read, part of its size
 };
 
 /*! Formats of the kinds with frames, indexed by kind. */

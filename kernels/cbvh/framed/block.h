@@ -50,7 +50,7 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
   sizes.numNodes = nodesOfLevels(sizes.nodeLevels);
   sizes.leafOffset = blockHeaderBytes + 4u*sizes.numNodes;
   sizes.leafBytes = kindFormats[kind].bytesPerGroup*sizes.leavesPerSide*sizes.leavesPerSide/4u
-                   + kindFormats[kind].bytesPerVertex*width*width + kindFormats[kind].readPadding;
+                   + kindFormats[kind].bytesPerVertex*width*width + kindFormats[kind].tailPadding;
   sizes.bytes = sizes.leafOffset + sizes.leafBytes;
   sizes.stride = (sizes.bytes + blockAlignment-1u) & ~(blockAlignment-1u);
   return sizes;

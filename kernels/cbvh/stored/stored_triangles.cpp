@@ -262,7 +262,7 @@ namespace embree
             w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
           if (outside > tolerance) return;
-          const double cost = Ng ? angle(p) : outside;
+          const double cost = Ng ? squaredSine(p) : outside;
           if (hasBest && cost >= bestCost) return;
           hasBest = true;
           bestCost = cost;
@@ -275,7 +275,7 @@ namespace embree
 
         /*! Returns the squared sine of the angle between a triangle's normal and Ng, which ignores the sign of the
          *  normal. Returns 2 if either vector is zero. */
-        double angle (const float* const p[3]) const
+        double squaredSine (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
           for (int k=0; k<3; k++) { a[k] = double(p[1][k])-p[0][k]; b[k] = double(p[2][k])-p[0][k]; }

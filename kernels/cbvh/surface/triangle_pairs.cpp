@@ -201,7 +201,7 @@ namespace embree
       }
 
       /*! Squared length of a half-edge at the first time step; 0 if it is not finite. */
-      double lengthOf (unsigned half) const
+      double squaredLength (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
         const float* const p = (const float*)mesh->vertices[0].getPtr(v[half % 3]);
@@ -226,7 +226,7 @@ namespace embree
         const bool isFirst = isJoined(triangle,edges.first,edges.second);
         if (edges.first == edges.second) return isFirst ? first : unsigned(none);
         const bool isSecond = isJoined(triangle,edges.second,edges.first);
-        if (isFirst && isSecond) return lengthOf(first) > lengthOf(second) ? first : second;
+        if (isFirst && isSecond) return squaredLength(first) > squaredLength(second) ? first : second;
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
@@ -248,7 +248,7 @@ namespace embree
       {
         Edges edges;
         size_t paired = 0, lower = 0; //!< triangles in pairs; of these, in pairs whose first one has the lower number
-        double length = 0;            //!< sum of squared lengths
+        double squaredLengths = 0;    //!< sum over the sample
       };
 
       /*! numSampled: size of the sample. */
@@ -266,7 +266,8 @@ namespace embree
           if (partner == none) continue;
           pairing.paired++;
           pairing.lower += isFirst == (triangles[t].number < triangles[partner].number);
-          pairing.length += lengthOf(3*t + (edges.first == edges.second || isFirst ? edges.first : edges.second));
+          const unsigned edge = edges.first == edges.second || isFirst ? edges.first : edges.second;
+          pairing.squaredLengths += squaredLength(3*t + edge);
         }
         return pairing;
       }
@@ -285,7 +286,7 @@ namespace embree
         if (4*most < 3*numSampled) return Edges{ none,none };
         const Pairing* best = nullptr;
         for (const Pairing& pairing : all) // pairs at borders may be missing
-          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length))
+          if (pairing.paired + most/256 >= most && (!best || pairing.squaredLengths > best->squaredLengths))
             best = &pairing;
         const bool isFirst = 2*best->lower >= best->paired;
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
@@ -324,7 +325,7 @@ namespace embree
           if (partners[t] != none) continue;
           unsigned longest = none;
           for (unsigned half=unsigned(3*t); half<unsigned(3*t)+3; half++)
-            if (isFree(half) && (longest == none || lengthOf(half) > lengthOf(longest))) longest = half;
+            if (isFree(half) && (longest == none || squaredLength(half) > squaredLength(longest))) longest = half;
           if (longest == none) continue;
           addPair(longest);
           for (; done<found.size(); done++)

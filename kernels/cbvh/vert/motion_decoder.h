@@ -81,7 +81,7 @@ namespace embree
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
-            const uint8_t* const high = step.hasHighBits ? step.data+step.wordsHigh : nullptr;
+            const uint8_t* const high = step.storesUpperBits ? step.data+step.wordsHigh : nullptr;
             decodeGroupWords(step.data+step.words,high,step.cell + cellBytes(step.word),layout,out.steps[e].words,
                              out.steps[e].fieldOffsets);
             if (unlikely(!isSheared)) continue;

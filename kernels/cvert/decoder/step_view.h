@@ -20,7 +20,7 @@ struct StepView
   uint32_t word;            //!< word of the first cell
   uint32_t rotation;        //!< VertStep::rotation; 0 at the first step
   uint32_t remainders;      //!< word of remainders; 0 if there are none
-  bool hasHighBits;         //!< words of groups have upper bits
+  bool storesUpperBits;     //!< upper 8 bits of the words of groups; later steps may omit them
   uint32_t corners;         //!< offset of the words of corners, relative to data
   uint32_t margins, words, wordsHigh, cell, vertices; //!< relative to data, as in VertLayout
 };
@@ -46,7 +46,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   step.info = CVERT_AT(VertHeader,block).info;
   step.word = CVERT_AT(VertHeader,block).word;
   step.rotation = 0u;
-  step.hasHighBits = true;
+  step.storesUpperBits = true;
   step.corners = vertCornersOffset;
   step.margins = offsets.margins;
   step.words = offsets.words;
@@ -69,7 +69,7 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   step.info = CVERT_AT(VertStep,later).info;
   step.word = CVERT_AT(VertStep,later).word;
   step.rotation = CVERT_AT(VertStep,later).rotation;
-  step.hasHighBits = hasUpperBits(step.info);
+  step.storesUpperBits = laterStepStoresUpperBits(step.info);
   step.corners = stepCornersOffset;
   VertStepLayout offsets = vertStepLayout(region,step.info);
   step.margins = offsets.margins;
@@ -92,7 +92,7 @@ CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
 }
 
 CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
-  return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHighBits,g);
+  return wordOfGroup(step.data,step.words,step.wordsHigh,step.storesUpperBits,g);
 }
 
 /*! Byte offset of the fields of group g, relative to data. */

@@ -167,7 +167,7 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
-        const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.info),g);
+        const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,laterStepStoresUpperBits(step.info),g);
         if (!hasValidSlopes(word))
           return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);

@@ -241,13 +241,13 @@ CVERT_FUNCTION float shearFactor (uint32_t info, int i, VertSpacing spacing)
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! Word of group g's cell. words, wordsHigh: byte offsets of the words' lower 16 and upper 8 bits. Without hasHighBits,
- *  the upper bits are 0 and not stored. */
-CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
+/*! Word of group g's cell. words, wordsHigh: byte offsets of the words' lower 16 and upper 8 bits. storesUpperBits:
+ *  false if the upper bits are 0 and not stored. */
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool storesUpperBits,
                                      uint32_t g)
 {
   uint32_t low = halfAt(data,words+2u*g);
-  return hasHighBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
+  return storesUpperBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
 /*! Byte offset after the fields of the first `groups` groups. cell, word: fields and word of the first cell. words: see

@@ -48,7 +48,8 @@ CVERT_FUNCTION uint32_t beginBoundsStep (uint32_t info) { return 1u << (info >> 
 CVERT_FUNCTION uint32_t endBoundsStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
 CVERT_FUNCTION bool isFirstCellRotated (uint32_t info) { return ((info >> 25) & 1u) != 0u; }
-CVERT_FUNCTION bool hasUpperBits (uint32_t info) { return ((info >> 26) & 1u) != 0u; }
+/*! Upper 8 bits of the words of groups, which the first step always stores. */
+CVERT_FUNCTION bool laterStepStoresUpperBits (uint32_t info) { return ((info >> 26) & 1u) != 0u; }
 CVERT_FUNCTION bool hasMargins (uint32_t info) { return ((info >> 27) & 1u) != 0u; }
 CVERT_FUNCTION bool areResidualsRotated (uint32_t rotation, uint32_t g) { return ((rotation >> g) & 1u) != 0u; }
 
@@ -119,7 +120,7 @@ CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t info)
   offsets.margins = vertStepBytes + (hasRemainders(info) ? vertRemaindersBytes : 0u);
   offsets.words = offsets.margins + (hasMargins(info) ? (3u*groups + 1u) & ~1u : 0u);
   offsets.wordsHigh = offsets.words + 2u*groups;
-  offsets.cell = offsets.wordsHigh + (hasUpperBits(info) ? groups : 0u);
+  offsets.cell = offsets.wordsHigh + (laterStepStoresUpperBits(info) ? groups : 0u);
   offsets.vertices = vertStepBytes;
   offsets.rawBytes = offsets.vertices + 12u*(vertQuadsX(region)+1u)*(vertQuadsY(region)+1u);
   return offsets;

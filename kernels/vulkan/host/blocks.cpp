@@ -19,14 +19,15 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPadding = 16;            // bytes after a block that shaders may read, if isReadInWords
+constexpr size_t readPadding = 16;            // bytes after a block that shaders may read
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
   return block.type == blockReferenceType(kindVert) || block.type == movingBlockReferenceType;
 }
 
-bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
+/* True if shaders may read up to readPadding bytes after the block. */
+bool isReadPastEnd(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
 void requireValid(const FlatBlock& block)
@@ -167,7 +168,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
     requireValid(block);
-    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readPadding : 0);
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadPastEnd(block) ? readPadding : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });

@@ -28,7 +28,7 @@ namespace embree
           for (uint32_t i=0; i<count; i++)
             // rays could hit triangles with infinities, but no triangles with NaN
             *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;
-        for (uint32_t i=0; i<kindFormats[kindGrid].readPadding/sizeof(float); i++) *out++ = 0.0f;
+        for (uint32_t i=0; i<kindFormats[kindGrid].tailPadding/sizeof(float); i++) *out++ = 0.0f;
       }
 
     private:
