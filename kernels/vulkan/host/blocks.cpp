@@ -10,7 +10,6 @@
 #include <functional>
 #include <map>
 #include <set>
-#include <unordered_map>
 #include <unordered_set>
 
 namespace embree { namespace vulkan {
@@ -72,13 +71,20 @@ struct BlockUpload
   size_t bytes() const { return (headerBytes + dataBytes + blockAlignment - 1) & ~size_t(blockAlignment - 1); }
 };
 
-/* Counts each block once. */
+/* Returns each block of a surface once. A scene may contain a surface directly and in an instanced scene. */
+std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks)
+{
+  std::vector<PlacedBlock*> unique;
+  std::unordered_set<const void*> found;
+  for (PlacedBlock* block : blocks)
+    if (found.insert(block->block->data).second) unique.push_back(block);
+  return unique;
+}
+
 size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
 {
   size_t bytes = 0;
-  std::unordered_set<const void*> counted;
-  for (const PlacedBlock* block : blocks)
-    if (counted.insert(block->block->data).second) bytes += BlockUpload(*block->block).bytes();
+  for (const PlacedBlock* block : blocks) bytes += BlockUpload(*block->block).bytes();
   return bytes;
 }
 
@@ -118,21 +124,15 @@ private:
   size_t remaining, used = 0, end = 0;
 };
 
-/* Uploads each block of a surface once, even if the scene contains the surface directly and in an instanced scene. */
+/* blocks: without repeats. */
 std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
 {
   const auto surface = std::make_shared<UploadedSurface>();
-  std::unordered_map<const void*, VkDeviceAddress> addresses;
   for (PlacedBlock* block : blocks) {
-    VkDeviceAddress& address = addresses[block->block->data];
-    if (address == 0) {
-      writer.write(*block);
-      address = block->address;
-      surface->places.push_back({block->block->data, address});
-      if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back())
-        surface->buffers.push_back(writer.buffers.back());
-    }
-    block->address = address;
+    writer.write(*block);
+    surface->places.push_back({block->block->data, block->address});
+    if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back())
+      surface->buffers.push_back(writer.buffers.back());
   }
   std::sort(surface->places.begin(), surface->places.end(),
             [](const UploadedSurface::Place& a, const UploadedSurface::Place& b) {
@@ -205,23 +205,25 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
   size_t smallBytes = 0;
   std::map<uint64_t, std::shared_ptr<const UploadedSurface>> surfaces;
   for (const auto& build : builds) {
-    const size_t bytes = bytesOf(build.second);
-    if (build.first == 0) {
-      BlockWriter writer(device, uploader, bytes);
+    if (build.first == 0) { // grids of GRID, which the tree of one scene contains once
+      BlockWriter writer(device, uploader, bytesOf(build.second));
       for (PlacedBlock* block : build.second) writer.write(*block);
       out.own = writer.buffers;
+      continue;
     }
-    else if (const auto surface = device.uploads.find(build.first)) {
-      for (PlacedBlock* block : build.second) block->address = surface->addressOf(block->block->data);
-      out.surfaces.push_back(surface);
+    if (const auto surface = device.uploads.find(build.first)) {
+      surfaces[build.first] = surface;
+      continue;
     }
-    else if (bytes < ownBufferBytes) {
-      small.push_back(build);
+    const std::vector<PlacedBlock*> unique = withoutRepeats(build.second);
+    const size_t bytes = bytesOf(unique);
+    if (bytes < ownBufferBytes) {
+      small.push_back({build.first, unique});
       smallBytes += bytes;
     }
     else {
       BlockWriter writer(device, uploader, bytes);
-      surfaces[build.first] = writeSurface(writer, build.second);
+      surfaces[build.first] = writeSurface(writer, unique);
     }
   }
   BlockWriter writer(device, uploader, smallBytes);
@@ -229,6 +231,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
 
   uploader.flush(); // before adding surfaces: scenes on other threads may use them at once
   for (const auto& surface : surfaces) {
+    for (PlacedBlock* block : builds[surface.first]) block->address = surface.second->addressOf(block->block->data);
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);
   }
