@@ -37,8 +37,11 @@
  * share border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
- * struct. In C++ a default member initializer does so. In C the application writes {.structSize = sizeof(args)}, or
- * calls the rtcInit function of the struct. Versions only append members:
+ * struct. RTCCompressionArguments and RTCDicingArguments have members for which zero is not the default: declare them
+ * without an initializer and call rtcInitCompressionArguments or rtcInitDicingArguments, which sets all members. For
+ * the other structs write, for example, `struct RTCCompressionStatistics statistics = {.structSize =
+ * sizeof(statistics)};` in C, and `RTCCompressionStatistics statistics = RTCCompressionStatistics();` in C++, where a
+ * default member initializer sets structSize. Versions only append members:
  *
  * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
  *   larger struct than its own if all additional bytes are zero.

@@ -36,6 +36,7 @@ TYPE = re.compile(
 )
 LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
 SIZE_OF = re.compile(r" (?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)")  # the default of structSize in C++
+INIT_FUNCTION = re.compile(r"Call \w+Init\w+ first")  # in the comment of a struct; sets structSize
 STRUCT_SIZE = (
     "Set structSize to the sizeof of its struct: in C++, T s = T() does so; in C, T s = {.structSize = sizeof(s)}."
 )
@@ -219,7 +220,7 @@ def page_of(group, version, include, library, types, others):
         parts["ERRORS"].insert(0, library.failures)
     used = types_used(group.declarations, types, library.own_pages)
     synopsis = [type_.comment + type_.text for type_ in used] + group.declarations
-    if any(" structSize;" in type_.text for type_ in used):
+    if any(" structSize;" in type_.text and not INIT_FUNCTION.search(type_.comment) for type_ in used):
         parts["NOTES"].append(STRUCT_SIZE)
     out = head(group.names, library.section, version, summary_of(texts[0]), include, synopsis)
     for section, found in parts.items():

@@ -40,6 +40,13 @@ struct CbvhVisit
   int flags;
 };
 
+/* Options of a search. Call cbvhInitSearch first. */
+struct CbvhSearch
+{
+  size_t structSize CBVH_SIZE_OF(CbvhSearch);
+  float radius;
+};
+
 /* Called for each pair. */
 typedef int (*CbvhPairFunction)(void* userPtr, const struct CbvhPair* pair);
 
@@ -57,6 +64,9 @@ CBVH_API enum CbvhError cbvhVisitAgain(float u);
 
 /* Visits with options. */
 CBVH_API void cbvhVisitWith(const struct CbvhVisit* visit);
+
+/* Searches with options. */
+CBVH_API void cbvhSearch(const struct CbvhSearch* search);
 
 /* Returns the number of pairs. */
 CBVH_API unsigned int cbvhCount(void);
@@ -127,6 +137,11 @@ class KnownHeader(unittest.TestCase):
         self.assertEqual(notes.count("structSize"), 2)
         self.assertIn("T s = {.structSize = sizeof(s)}", notes)
         self.assertNotIn("structSize", self.visit)
+
+    def test_structs_with_an_init_function_have_no_note(self):
+        page = self.pages["cbvhSearch.3cbvh"]
+        self.assertIn("Call cbvhInitSearch first", section(page, "SYNOPSIS"))
+        self.assertIsNone(section(page, "NOTES"))
 
     def test_functions_under_one_comment_share_a_page(self):
         self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
