@@ -99,7 +99,11 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, struct RTCVulkanDevic
 RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice device, const char* selector);
 
 /* Handles of a device that the application opened, for example with extensions that rtcNewVulkanDevice does not enable.
- * The application owns them and keeps them valid while the RTCVulkanDevice exists. */
+ * The application owns them and keeps them valid while the RTCVulkanDevice exists.
+ *
+ * The library creates its buffers with VK_SHARING_MODE_EXCLUSIVE and writes them on `queue`. Command buffers that trace
+ * scenes must therefore be submitted to queues of queueFamily, also if their shaders are the application's. If rays or
+ * hits are in exclusive buffers that another queue family used before, the application transfers their ownership. */
 struct RTCVulkanDeviceHandles
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceHandles); /* see rtcore_compression.h */
@@ -108,7 +112,7 @@ struct RTCVulkanDeviceHandles
   VkPhysicalDevice physicalDevice;
   VkDevice device;                  /* with bufferDeviceAddress and scalarBlockLayout enabled */
   VkQueue queue;                    /* supports compute */
-  uint32_t queueFamily;
+  uint32_t queueFamily;             /* family of `queue`, and of all queues that trace scenes of the device */
   unsigned int hasFloat64;          /* 1 if shaderFloat64 is enabled */
   unsigned int hasHostImport;       /* 1 if VK_EXT_external_memory_host is enabled */
   unsigned int hasRayQuery;         /* 1 if VK_KHR_acceleration_structure and VK_KHR_ray_query are enabled with their
