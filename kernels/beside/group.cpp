@@ -15,6 +15,22 @@ namespace {
 
 constexpr size_t maxPrimitive = 0xFFFFFFFFu; // primitive numbers have 32 bits
 
+/* Lets a new scene allocate everything that attaching geometries with the IDs 0 to count-1 needs. Embree loses an ID if
+ * it runs out of memory while it attaches a geometry. */
+void reserveGeometryIDs(const CbvhContextTy& context, RTCScene scene, size_t count)
+{
+  const RTCGeometry placeholder = rtcNewGeometry(context.device, RTC_GEOMETRY_TYPE_SUBDIVISION);
+  context.check();
+  rtcAttachGeometryByID(scene, placeholder, unsigned(count - 1));
+  Failure failure = context.takeError();
+  if (!failure) {
+    rtcDetachGeometry(scene, unsigned(count - 1));
+    failure = context.takeError();
+  }
+  rtcReleaseGeometry(placeholder);
+  if (failure) throw failure;
+}
+
 } // namespace
 
 CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t count)
@@ -26,6 +42,7 @@ CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t co
     firstPrimitive.resize(count + 1, 0);
     attached.resize(count, nullptr);
     isReported.resize(count, false);
+    reserveGeometryIDs(*context, scene, count);
   }
   catch (...) { if (scene) rtcReleaseScene(scene); throw; }
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -42,10 +59,13 @@ void CbvhGroupTy::commit()
   for (size_t i = 0; i < surfaces.size(); i++) {
     const RTCGeometry geometry = surfaces[i]->committedInput()->geometry;
     if (geometry == attached[i]) continue;
-    if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
+    if (attached[i]) {
+      rtcDetachGeometry(scene, unsigned(i));
+      context->check(); // without memory, the scene keeps the geometry, which rays of the last commit use
+    }
     attached[i] = nullptr;
-    rtcAttachGeometryByID(scene, geometry, unsigned(i));
-    context->check(); // without memory, the next commit attaches the geometry
+    rtcAttachGeometryByID(scene, geometry, unsigned(i)); // allocates nothing: the ID is reserved, or was just detached
+    context->check();
     attached[i] = geometry;
     isReported[i] = false;
   }

@@ -1,0 +1,60 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A group of libembree_cbvh is committed while the heap is exhausted: rays still hit its last commit, and it can be
+ * committed later. */
+
+#include "small_cube.h"
+#include "support/exhaustible_heap.h"
+
+#include <cbvh/cbvh.h>
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit)
+{
+  std::vector<float> vertices(std::begin(cubeVertices), std::end(cubeVertices));
+  const float* const steps[] = {vertices.data()};
+  CbvhCage cage = cube();
+  cage.vertices.steps = steps;
+  CbvhContext context = nullptr;
+  CbvhSurface surface = nullptr;
+  CbvhGroup group = nullptr;
+  ASSERT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+  ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK);
+  const auto commitSurface = [&] {
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  };
+  const auto distance = [&] {
+    CbvhRayHit ray = rayFromAbove();
+    return cbvhIntersect1(group, &ray, nullptr) ? ray.ray.tfar : -1.0f;
+  };
+  commitSurface();
+  ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  const float before = distance();
+  EXPECT_GT(before, 0.0f);
+  for (float& x : vertices) x *= 2; // the top of the larger cube is nearer
+  commitSurface();
+  isExhausted = true;
+  const CbvhError error = cbvhCommitGroup(group);
+  isExhausted = false;
+  EXPECT_GT(refused, 0u) << "no allocation was refused, so nothing is tested";
+  EXPECT_EQ(error, CBVH_ERROR_OUT_OF_MEMORY) << cbvhGetErrorText();
+  EXPECT_EQ(distance(), before);
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_GT(distance(), 0.0f);
+  EXPECT_LT(distance(), before);
+  cbvhReleaseGroup(group);
+  cbvhReleaseSurface(surface);
+  cbvhReleaseContext(context);
+}
+
+} // namespace
+} // namespace cbvh::test
