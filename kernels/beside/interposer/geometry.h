@@ -30,7 +30,8 @@ public:
   Substituted(const Substituted&) = delete;
   Substituted& operator=(const Substituted&) = delete;
 
-  /* Input of the next commit. */
+  /* Input of the next build. As in Embree, a build reads the current input, including changes since the last commit of
+   * the geometry: buffers that an application replaced may no longer exist. */
   Input input;
   /* A commit requires a new build, except after appearance changes only: of masks, filters or user data. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
