@@ -26,8 +26,8 @@ After this page you know how each figure that other pages link to was measured. 
 [vocabulary.md](vocabulary.md). Tables and generated text on other pages name their command and machine themselves.
 
 An empty cell means "not recorded". "Commit" is the build that was measured, or after "by", if that build was not
-recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`. Edit this
-table by hand.
+recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`, which is
+edited by hand.
 
 ## How do I reproduce a figure?
 
