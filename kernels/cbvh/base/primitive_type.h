@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Types of leaves of the top-level BVH4. Types 0 and 1 are Embree's (GridSOA's inner leaves and root), so that a tree
- * can contain blocks and uncompressed patches. Embree's references have only 3 type bits: a type selects the format of
- * a block, and the block's header stores the kind. */
+/* Types of leaves of a scene's BVH4s, one over static and one over moving surfaces (stored/compressed_tree.h). Types 0
+ * and 1 are Embree's (GridSOA's inner leaves and root), so that a tree can contain blocks and uncompressed patches.
+ * Embree's references have only 3 type bits. Therefore a type selects only the format of a block; the header of a block
+ * with a frame stores its kind. */
 
 #include "codec_names.h"
 #include <cstddef>
@@ -27,9 +28,9 @@ namespace embree
       GRID_SOA_ROOT = 1,
       FRAMED_BLOCK = 2,      //!< framed/block.h; the header stores the kind
       VERT_BLOCK = 3,        //!< cvert/format/block.h
-      MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
+      MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in the tree of moving surfaces
       MESH_BLOCK = 5,        //!< cvert/format/mesh_block.h
-      MOVING_MESH_BLOCK = 6  //!< cvert/format/mesh_motion.h; in the tree of moving cVERT blocks
+      MOVING_MESH_BLOCK = 6  //!< cvert/format/mesh_motion.h; in the tree of moving surfaces
     };
 
     /*! type: a PrimitiveType for which isBlock() is true. */

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Statistics of one or more blocks, which encoders of all kinds collect. */
+/* Statistics of one or more blocks with frames, which BlockEncoder and its encoders of leaves collect. cGRID has only
+ * invalidQuads and affine. */
 
 #include "leaf/leaf_fit.h"
 
@@ -13,15 +14,18 @@ namespace embree
   {
     struct BlockStatistics
     {
-      uint32_t invalidQuads = 0;
-      uint32_t solidLeaves = 0;
+      uint32_t invalidQuads = 0;   //!< quads with a vertex that is not finite
+      uint32_t solidLeaves = 0;    //!< cLEAF: leaves whose box is the surface
       bool affine = false;         //!< of the last block's frame
-      float maxThickness = 0;      //!< largest thickness, in world space
+      /*! Largest thickness of a leaf so far, in world space. Encoders need not measure leaves that are thinner. A
+       *  caller may therefore begin with the largest thickness that it knows. */
+      float maxThickness = 0;
       LeafFit leafFit;
 
-      /*! Adds a leaf, and returns its thickness in world space: the distance between the plane z = slope (x,y) through
-       *  the middle of a box and the same plane moved up by `thickness`. The length of the plane's world-space normal
-       *  (normal.h), divided by W, is the distance in the frame per world-space unit. */
+      /*! Adds a leaf to maxThickness. Returns its thickness in world space: the distance, at the middle of the box,
+       *  between the plane z = slope[0] x + slope[1] y + const through the middle and the plane that is `thickness`
+       *  higher in z. There, a world-space distance d along the plane's normal n (normal.h) raises z above the plane
+       *  by d |n|/W (W: see FrameMap). */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
         const double c[3] =
@@ -38,7 +42,7 @@ namespace embree
         return t;
       }
 
-      /*! Adds a leaf whose box is its surface. */
+      /*! Adds a leaf of cVOXEL, whose box is its surface, to maxThickness. */
       void addBoxThickness(const BlockGeometry& geometry, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };

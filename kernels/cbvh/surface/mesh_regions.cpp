@@ -9,7 +9,8 @@ namespace embree
 {
   namespace
   {
-    /*! Moves the quads of regions that need less memory in mesh blocks to the irregular primitives. */
+    /*! Moves the quads of regions to the irregular primitives if they need no more bytes in mesh blocks than in grids.
+     *  Requires one time step. */
     template<typename Mesh>
     void moveToMeshBlocks (const Mesh* mesh, QuadRegions& meshRegions)
     {
@@ -20,7 +21,7 @@ namespace embree
         isMoved.push_back(QuadRegions::isSmallerInMeshBlocks(region));
         if (isMoved.back()) numMoved += size_t(region.width)*region.height;
       }
-      // If most quads are irregular, the others are regular by accident. In CAD models, such grids took more bytes than
+      // If most quads are moved, the others form grids by accident. In CAD models, such grids took more bytes than
       // estimated, and slowed rays. They stay grids only if they are smaller even with their tables of numbers.
       if (2*numMoved > meshRegions.quads.size())
       {
@@ -32,7 +33,7 @@ namespace embree
               bytesOfTables(quads,meshRegions,i,numbers,encoder));
       }
       if (std::find(isMoved.begin(),isMoved.end(),true) == isMoved.end()) return;
-      cbvh::UnmonitoredVector<unsigned> remaining; // regions are not in the order of their quads
+      cbvh::UnmonitoredVector<unsigned> remaining; // not in place: regions are not sorted by `first`
       remaining.reserve(meshRegions.quads.size());
       size_t regions = 0, regular = 0;
       for (size_t i=0; i<meshRegions.regions.size(); i++)
@@ -60,8 +61,9 @@ namespace embree
       std::sort(meshRegions.irregular.begin(),meshRegions.irregular.end());
     }
 
-    /*! Stores a moving mesh entirely in grids if these need at most an estimated three quarters of Embree's bytes,
-     *  otherwise entirely in mesh blocks. bytesInEmbree: per primitive, for one time step. */
+    /*! Divides a mesh with one time step region by region (moveToMeshBlocks). Assigns a moving mesh entirely to grids
+     *  if these need at most an estimated three quarters of Embree's bytes, otherwise entirely to mesh blocks. Both
+     *  estimates are for one time step. bytesInEmbree: per primitive. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> divide (const Mesh* mesh, size_t bytesInEmbree)
     {

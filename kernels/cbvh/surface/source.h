@@ -4,10 +4,11 @@
 #pragma once
 
 /* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the builder of blocks. A
- * source enumerates the primitives of a geometry. A patch is a rectangle of quads of a primitive. Both are template
- * parameters, of SourceBuilder (building/surface_builder.h) and of the writers (vert/writer.h, framed/writer.h).
- * isSource<S>() checks a source at compile time. CageSource and GridSource (building/) are sources;
- * tests/library/sphere_source.h is a short example.
+ * source enumerates the primitives of a geometry: its faces or grids, or regions of a mesh that form grids. A patch is
+ * a rectangle of quads of a primitive. A source is a template parameter of SourceBuilder (building/surface_builder.h),
+ * a patch of VertWriter::write() (vert/writer.h). framed/writer.h writes only patches of cages. isSource<S>() checks a
+ * source at compile time. CageSource and GridSource (building/) are sources; tests/library/sphere_source.h is a short
+ * example.
  *
  * UNITS. Positions are floats in object space. Quads and rates are counts. A lattice is the exponent of its spacing
  * (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
@@ -21,15 +22,16 @@
  * ERRORS. Members may throw rtcore_error, std::bad_alloc, or what progress() throws. The build then ends, and the
  * geometry keeps its old blocks. Vertices that are not finite are no error: writers omit their quads and count them.
  *
- * PATCH. A class derived from SurfacePatch, below, whose members it sets in its constructor, and
+ * PATCH. A class derived from SurfacePatch, below. Its constructor sets the members of SurfacePatch. It also has:
  *
  *   Patch (const Patch& other, Scratch& scratch)
- *       The same patch for another task. `other` outlives it.
+ *       The same patch for another task. `other` outlives it. Several tasks may copy `other` at the same time.
  *   PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
- *       Evaluates a part of the patch at a time step. quadsX, quadsY: size of the whole patch, not less than `quads`.
- *       Returns the displaced vertices, row by row, and the undisplaced vertices if a writer of blocks with frames
- *       reads the patch. Edges of a lower rate are stitched as in Embree. The result is valid until the next call with
- *       the same scratch, and the caller may overwrite it.
+ *       Evaluates a part of the patch at a time step. quadsX, quadsY: size of the whole patch. Writers of blocks with
+ *       frames may pass more than `quads`; the builder and VertWriter pass `quads`. Returns the displaced vertices, row
+ *       by row, and the undisplaced vertices if a writer of blocks with frames reads the patch. Edges of a lower rate
+ *       are stitched as in Embree. The result is valid until the next call with the same scratch, and the caller may
+ *       overwrite it.
  *   Side side (int s, unsigned step) const
  *       The vertices along a side, the same for all primitives that share it, by the rule in shared_border.h. A Side
  *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
@@ -48,7 +50,8 @@
  *   Source (Mesh* mesh, const CompressionPlan& plan)
  *       Both outlive the source. Mesh is the type that SourceBuilder is constructed with, a CompressibleGeometry.
  *   size_t size () const
- *       Number of primitives, at most 2^32, because blocks store their numbers in 32 bits.
+ *       Number of primitives, at most 2^32, because blocks store their numbers in 32 bits. May be called before
+ *       prepare().
  *   size_t estimateBlocks () const
  *       Rough number of blocks, by which the builder divides work and reserves memory. May be called before prepare().
  *   size_t perTask (bool isSmall) const
@@ -97,7 +100,7 @@ namespace embree
     struct SurfacePatch
     {
       uint32_t surfaceNumber; //!< see base/surface_ids.h
-      unsigned primID;
+      unsigned primID;        //!< number of the primitive in its source; not stored if the patch has `numbers`
       unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: higher rate of the two edges
       const float* rate;    //!< integer rates of the four sides; must outlive the patch
@@ -142,7 +145,8 @@ namespace embree
       template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0),aMutablePatch<S>())));
     }
 
-    /*! True if S is a source. Otherwise a compiler message names each missing member. */
+    /*! True if S is a source. Otherwise a compiler message names each missing member. Does not check the constructor
+     *  from (Mesh*, const CompressionPlan&), because Mesh is unknown. */
     template<typename S>
     constexpr bool isSource ()
     {

@@ -11,8 +11,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Runs a point query over a tree of compressed geometries. bvh: a CompressedTree. Returns true if a call of the
-       *  application's function changed the query. */
+      /*! Runs a point query over a scene's tree of static, or moving, compressed surfaces. bvh: a CompressedTree. Skips
+       *  cages, as Embree does. Returns true if a call of the application's function returned true, because it changed
+       *  the query. */
       bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
     }
   }

@@ -4,7 +4,8 @@
 #pragma once
 
 /* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups (front
- * to back for closest hits), then triangles. traversal/leaf_intersectors1.h calls it. */
+ * to back for closest hits), then triangles. traversal/leaf_intersectors1.h calls it. Packets also use
+ * intersectGroupBoxes(), popNearest() and popAny(). */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -35,7 +36,8 @@ namespace embree
       };
 
       /*! Returns the mask of groups whose boxes the ray may intersect between tnear and tfar. enter: receives a lower
-       *  bound of the entry distance per lane; aligned to vectors. */
+       *  bound of the entry distance per lane; aligned to vectors. vertRay: with the members for boxes, which
+       *  VertRays::ray() does not set. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
                                                   const GroupBoxes& boxes, float enter[16])
       {
@@ -73,7 +75,7 @@ namespace embree
         return movemasks(hit) & boxes.lanes;
       }
 
-      /*! Removes the group with the smallest entry distance from a mask, and returns it. */
+      /*! Removes the group with the smallest entry distance from a mask, and returns it. The mask must not be 0. */
       __forceinline uint32_t popNearest (uint32_t& groups, const float enter[16])
       {
         uint32_t best = uint32_t(bsf(groups));
@@ -85,6 +87,7 @@ namespace embree
         return best;
       }
 
+      /*! Removes a group from a mask, which must not be 0, and returns it. */
       __forceinline uint32_t popAny (uint32_t& groups)
       {
         const uint32_t g = uint32_t(bsf(groups));
@@ -97,8 +100,8 @@ namespace embree
       class VertIntersector1
       {
       public:
-        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. at: a moving block's
-         *  TimeInMotion. */
+        /*! Returns true if a hit was accepted. Any-hit queries end at the first accepted hit. vertRay: one per ray, the
+         *  same for all its blocks; the first call sets it. at: a moving block's TimeInMotion. */
         template<typename... At>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay,
                                              const VertHeader* block, const At&... at)

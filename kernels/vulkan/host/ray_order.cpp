@@ -10,7 +10,9 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t maxRays = size_t(1) << 27;   // shaders index words of rays with 32 bits
+/* Largest power of two for which shaders can index all words of RTCRayHits, 20 per ray, with 32 bits.
+ * recordRayOrder() checks longer strides. */
+constexpr size_t maxRays = size_t(1) << 27;
 
 size_t tilesOf(size_t count) { return (count + orderTileSize - 1)/orderTileSize; }
 size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }

@@ -12,7 +12,8 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
-/* The nearest hit so far. */
+/* The nearest hit in leaves so far. hit.t is less if the query committed a nearer hit of another kind
+ * (cbvhIntersectCandidate). The other members then still describe the hit in a leaf. */
 struct CbvhNearestHit
 {
   CbvhHit hit;
@@ -34,7 +35,8 @@ CbvhHit cbvhGetHit (CbvhNearestHit found)
   return hit;
 }
 
-/* Tests the exact box; the driver's is larger. Sets ray.entryT. */
+/* Returns false if the ray misses the leaf's exact box between its tnear and `tfar`, the distance of the nearest hit.
+ * The driver's box is larger. Sets ray.entryT. */
 bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -47,8 +49,9 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
   return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
 }
 
-/* Intersects the leaf of a box. address: of the scene. placed: custom index of the instance. box: index of the
- * primitive. ray: in the scene's space. */
+/* Intersects the leaf of a box. Returns true and updates `found` if it finds a hit nearer than found.hit.t, or one at
+ * the same distance that replaces it. address: of the scene. placed: custom index of the instance. box: index of the
+ * primitive. ray: in the scene's space, with the same tfar in all calls with `found`. anyHit: see ray.glsl. */
 bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhNearestHit found)
 {
   if (!cbvhMayHit(ray)) return false;
@@ -113,7 +116,8 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   return isHit;
 }
 
-/* cbvhIntersect and cbvhOccluded by ray queries. */
+/* cbvhIntersect and cbvhOccluded by ray queries. The scene must have been created with
+ * RTC_VULKAN_TRAVERSAL_RAY_QUERY. */
 bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
 
 bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)

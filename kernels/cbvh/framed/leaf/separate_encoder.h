@@ -38,8 +38,10 @@ namespace embree
       z[2] = z[0] + slopeV;
     }
 
-    /*! Returns the 15 bits of a leaf. box: decoded box of the leaf. Sets thicknessCode to the smallest code of a
-     *  thickness that contains the quad's vertices, and therefore its edges. If there is none, the leaf is solid. */
+    /*! Returns the 15 bits of a leaf: emptyLeaf for a quad with a vertex that is not finite. box: decoded box of the
+     *  leaf. Sets thicknessCode to the smallest code of a thickness that contains the quad's vertices, and therefore
+     *  its edges. If there is none, or if the heights cannot represent the plane, returns solidLeaf. Sets thicknessCode
+     *  to 0 for empty and solid leaves. */
     inline uint32_t encodeSeparateLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thicknessCode)
     {
       thicknessCode = 0;
@@ -56,7 +58,8 @@ namespace embree
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
-      /* range of the deviation at the vertices: the plane's height above them; the lowest one on the block's border */
+      /* Deviation d: height of the plane above a vertex. lowest, highest: range of d and 0. lowestOnBorder: of the
+       * vertices on the block's border. */
       double lowest = 0, highest = 0, lowestOnBorder = 1e300;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);
@@ -86,8 +89,8 @@ namespace embree
       return solidLeaf;
     }
 
-    /*! parent: decoded box of the group. The leaves share the largest of their thickness codes. Does
-     *  not set borderWidth. */
+    /*! Returns a group of separate leaves, which share the largest of their thickness codes. parent: decoded box of the
+     *  group. Does not set borderWidth. */
     inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group)
     {
       EncodedGroup out;
