@@ -28,8 +28,8 @@ CbvhTransform cbvhInverse (CbvhTransform t)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhTransforms { CbvhTransform at[]; };
 
-/* Sets `local` to the transform from world space to the instance's space at a time. Interpolates the transforms of
- * moving instances linearly, as Embree. Returns false outside of the instance's time range. */
+/* Sets `local` to the transform from world space to the instance's space at a time, which must be finite. Interpolates
+ * the transforms of moving instances linearly, as Embree. Returns false outside of the instance's time range. */
 bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform local)
 {
   local = cbvhTransformOf(instance.worldToLocal);

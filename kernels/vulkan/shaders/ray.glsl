@@ -50,7 +50,7 @@ struct CbvhPreparedRay
   float tfar;     // end of the ray, independent of hits
   float entryT;   // distance at which the ray enters the current leaf's bounds; hits may be slightly nearer
   uint mask;
-  float time;     // finite; before all motion if the ray's time is not finite
+  float time;     // cbvhFiniteTime of the ray's time
   uint instID;    // instance that is being traversed, or CBVH_INVALID_ID
   uint firstGeometry; // index in SceneData::geometries of geometry 0 of the traversed scene
 };
@@ -64,6 +64,9 @@ float cbvhReciprocal (float d, float largest)
 
 bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 bool cbvhIsNumber (float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
+
+/* A ray's time, or a time before all motion if it is not finite. */
+float cbvhFiniteTime (float time) { return (floatBitsToUint(time) & 0x7F800000u) != 0x7F800000u ? time : -3.0e38; }
 
 /* False if the ray cannot hit anything. Tests bits, because shader compilers assume finite numbers. */
 bool cbvhMayHit (CbvhRay ray)
@@ -83,7 +86,7 @@ CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
   prepared.tnear = prepared.entryT = max(ray.tnear, 0.0);
   prepared.tfar = ray.tfar;
   prepared.mask = ray.mask;
-  prepared.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;
+  prepared.time = cbvhFiniteTime(ray.time);
   prepared.instID = CBVH_INVALID_ID;
   prepared.firstGeometry = 0u;
   return prepared;

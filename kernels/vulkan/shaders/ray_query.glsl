@@ -63,7 +63,8 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   {
     GeometryData instance = CbvhGeometries(scene.geometries).at[place.instID];
     CbvhTransform toLocal;
-    if ((instance.mask & ray.mask) == 0u || !cbvhWorldToLocal(instance, ray.time, toLocal)) return false;
+    if ((instance.mask & ray.mask) == 0u) return false;
+    if (!cbvhWorldToLocal(instance, cbvhFiniteTime(ray.time), toLocal)) return false;
     local = cbvhTransformed(toLocal, ray);
     if (!cbvhMayHit(local)) return false;
   }
