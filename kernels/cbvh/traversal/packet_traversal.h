@@ -35,7 +35,7 @@ namespace embree
         {
           vfloat<K> entryT;
           NodeRef node;
-          float frustumEntryT; //!< of the frustum, for sorting: a lower bound of `entryT` but for rounding
+          float frustumEntryT; //!< of the frustum, for sorting: a lower bound of `entryT`
         };
 
       public:
@@ -48,6 +48,10 @@ namespace embree
           tray.tfar = select(valid,max(vfloat<K>(rays.tfar),vfloat<K>(zero)),vfloat<K>(neg_inf));
           Frustum<true> frustum;
           frustum.template init<K>(valid,tray.org,tray.rdir,tray.tnear,tray.tfar,4);
+          /* With the factors of BoxTest, the frustum culls no box that a ray enters: rounding is monotonic, so its
+           * distances bound each ray's in floats too. Embree's test alone has 2 ulps. */
+          frustum.min_rdir = Vec3fa(nearFactor)*frustum.min_rdir;
+          frustum.max_rdir = Vec3fa(farFactor)*frustum.max_rdir;
 
           const BoxTest boxTest(tray,k);
 
@@ -85,8 +89,8 @@ namespace embree
           __forceinline BoxTest (const Tray& tray, size_t k)
           {
             for (int axis=0; axis<3; axis++) {
-              rdirNear[axis] = vfloat<K>(1.0f-3.0f*float(ulp))*tray.rdir[axis];
-              rdirFar[axis] = vfloat<K>(1.0f+3.0f*float(ulp))*tray.rdir[axis];
+              rdirNear[axis] = vfloat<K>(nearFactor)*tray.rdir[axis];
+              rdirFar[axis] = vfloat<K>(farFactor)*tray.rdir[axis];
               nearSide[axis] = tray.rdir[axis][k] >= 0.0f ? 0 : 1;
             }
           }

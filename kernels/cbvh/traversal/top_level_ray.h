@@ -16,6 +16,7 @@
 
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
+#include <limits>
 
 namespace embree
 {
@@ -40,15 +41,18 @@ namespace embree
         return finite;
       }
 
-      /*! Reciprocals of a direction, by axis, and as factors of Embree's robust traversal: `near` is smaller in
-       *  magnitude by 3 ulps and `far` larger, to cover rounding. */
+      /*! Factors of reciprocals for the distances at which rays enter and leave boxes, to cover rounding. */
+      static constexpr float nearFactor = 1.0f-3.0f*std::numeric_limits<float>::epsilon();
+      static constexpr float farFactor = 1.0f+3.0f*std::numeric_limits<float>::epsilon();
+
+      /*! Reciprocals of a direction, by axis, and as factors of Embree's robust traversal. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
 
         __forceinline explicit PlaneFactors (const Vec3fa& dir)
-          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(1.0f-3.0f*float(ulp))*rdir),
-            far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
+          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(nearFactor)*rdir),
+            far(vfloat4(farFactor)*rdir) {}
       };
 
       /*! Returns false if the ray misses a box and, with the rounding of traversal, all boxes inside of it. Requires
@@ -73,8 +77,8 @@ namespace embree
           const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]),
             upper(box.upper[axis]);
           const vbool<K> isNegative = rdir < vfloat<K>(zero);
-          entryT = max(entryT,(select(isNegative,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
-          exitT = min(exitT,(select(isNegative,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
+          entryT = max(entryT,(select(isNegative,upper,lower)-rays.org[axis])*(vfloat<K>(nearFactor)*rdir));
+          exitT = min(exitT,(select(isNegative,lower,upper)-rays.org[axis])*(vfloat<K>(farFactor)*rdir));
         }
         return entryT <= exitT;
       }
