@@ -93,13 +93,18 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
   return now;
 }
 
-/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and 2.5 ulps for
- * Vulkan's quotients. Embree, whose quotients are exact, uses 3 ulps. */
-const float cbvhNodeSlack = 4.0*floatUlp;
+/* Factors of distances at which a ray enters and leaves boxes, so that rounding culls no box with a hit, as nearFactor
+ * of kernels/cbvh/traversal/top_level_ray.h. In half ulps: 4 for the rule's shear and sheared vertices, 1 for the
+ * product, and 5 for the reciprocal, because Vulkan's quotients are off by up to 2.5 ulps. On the direction's largest
+ * axis 1 for the product, and 10 for the quotients of the shear and of the box test, which may differ. 6 ulps are 12. */
+const float cbvhNearFactor = 1.0 - 6.0*floatUlp, cbvhFarFactor = 1.0 + 6.0*floatUlp;
 
-/* Returns sorted keys of the children, nearest first: the bits of the distance, which compare as integers, with 3 minus
- * the child's index in the lower two bits; 0xFFFFFFFF for missed children. Of children at the same distance, later ones
- * come first, as in Embree. */
+/* Bits of a key with the entry distance. Without the sign, because max(0,-0) may be -0. */
+const uint cbvhEntryBits = 0x7FFFFFFCu;
+
+/* Returns sorted keys of the children, nearest first: the bits of a lower bound of the distance, which compare as
+ * integers, with 3 minus the child's index in the lower two bits; 0xFFFFFFFF for missed children. Of children at the
+ * same distance, later ones come first, as in Embree. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -108,8 +113,9 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
-  bvec4 isHit = lessThanEqual(enter*(1.0 - cbvhNodeSlack), leave*(1.0 + cbvhNodeSlack));
-  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isHit);
+  enter *= cbvhNearFactor;
+  bvec4 isHit = lessThanEqual(enter, leave*cbvhFarFactor);
+  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & cbvhEntryBits) | uvec4(3u, 2u, 1u, 0u), isHit);
   keys = mix(uvec4(0xFFFFFFFFu), keys, isPresent);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
   keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));
@@ -117,7 +123,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
 }
 
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
-float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
+float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & cbvhEntryBits); }
 
 /* Intersects a leaf that is not an instance. framed: see cbvhReport. */
 bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,

@@ -36,7 +36,7 @@ CbvhHit cbvhGetHit (CbvhNearestHit found)
 }
 
 /* Returns false if the ray misses the leaf's exact box between its tnear and `tfar`, the distance of the nearest hit.
- * The driver's box is larger. Sets ray.entryT. */
+ * Tests as cbvhSortChildren. The driver's box is larger. Sets ray.entryT. */
 bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -45,8 +45,9 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
-  ray.entryT = enter;
-  return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
+  enter *= cbvhNearFactor;
+  ray.entryT = cbvhEntryOfKey(floatBitsToUint(enter));
+  return enter <= leave*cbvhFarFactor;
 }
 
 /* Intersects the leaf of a box. Returns true and updates `found` if it finds a hit nearer than found.hit.t, or one at
