@@ -23,9 +23,15 @@
 
 CBVH_BEGIN
 
-/*! Bounds of a ray's displacement, see above: in ulps of its distance from the block, and in ulps of 1. */
+/*! Bounds of a ray's displacement, see above: in ulps of its distance from the block, and in ulps of 1. Shaders divide
+ *  with errors of up to 2.5 ulps instead of 1/2: this adds 2 ulps of 1 each to the segment's ends, to their clipping and
+ *  to the reciprocals that s is computed with. Other quotients shift only the point that distances are relative to. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
+#ifdef VULKAN
+CVERT_CONSTANT float unitUlps = 14.0f;
+#else
 CVERT_CONSTANT float unitUlps = 8.0f;
+#endif
 
 /*! Distance from a box's center to its surface, relative to 1/(the smallest stretch of x, y and z). If the sides are
  *  orthogonal, the longest is at most sqrt(3) times that reciprocal. It extends half of this from the center, and 3/2
