@@ -37,13 +37,23 @@ vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
   return mix(crossBC, crossAB, lessThan(abs(ab), abs(bc)));
 }
 
+/* Side of the ray on which an edge lies: dot(cross(edge, sum), dir). The edge's other triangle, with the edge in the
+ * other direction, gets the exact negative, because all three edges are computed without fused operations. */
+float cbvhPlueckerSide (vec3 edge, vec3 sum, vec3 dir)
+{
+  precise vec3 plus = edge.yzx*sum.zxy, minus = edge.zxy*sum.yzx;
+  precise vec3 products = (plus - minus)*dir;
+  precise float side = products.x + products.y + products.z;
+  return side;
+}
+
 bool cbvhPluecker (CbvhPreparedRay ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
 {
-  vec3 v0 = a - ray.org, v1 = b - ray.org, v2 = c - ray.org;
-  vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
-  float U = dot(cross(e0, v2 + v0), ray.dir);
-  float V = dot(cross(e1, v0 + v1), ray.dir);
-  float W = dot(cross(e2, v1 + v2), ray.dir);
+  precise vec3 v0 = a - ray.org, v1 = b - ray.org, v2 = c - ray.org;
+  precise vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
+  precise vec3 s0 = v2 + v0, s1 = v0 + v1, s2 = v1 + v2;
+  float U = cbvhPlueckerSide(e0, s0, ray.dir), V = cbvhPlueckerSide(e1, s1, ray.dir),
+        W = cbvhPlueckerSide(e2, s2, ray.dir);
   float UVW = U + V + W, eps = floatUlp*abs(UVW);
   if (!(min(U, min(V, W)) >= -eps || max(U, max(V, W)) <= eps)) return false;
   vec3 Ng = cbvhStableNormal(e0, e1, e2);
