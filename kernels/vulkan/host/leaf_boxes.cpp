@@ -94,8 +94,8 @@ uint64_t spread(uint64_t x)
 
 /* Distance by which boxes must grow for rounding errors of drivers. In half ulps, 2^-24 of a plane's distance D: 7 for
  * (plane - origin)*(1/direction) with a quotient that is off by up to 2.5 ulps, and up to 9 for the shear of the rule,
- * which has such a quotient too. Together D 2^-20. 2^-15 of the largest coordinate suffices for rays that start 20 times
- * as far away (D = 21 coordinates, or 0.66 2^-15), with a margin for transforming the ray. */
+ * which has such a quotient too. Together D 2^-20. 2^-15 of the largest coordinate suffices for rays that start 20
+ * times as far away, with a margin for transforming the ray. */
 float roundingSlack(const Bounds& all)
 {
   float largest = 0;
