@@ -24,8 +24,8 @@
 CBVH_BEGIN
 
 /*! Bounds of a ray's displacement, see above: in ulps of its distance from the block, and in ulps of 1. Shaders divide
- *  with errors of up to 2.5 ulps instead of 1/2. This adds 2 ulps of 1 each to the segment's ends, to their clipping and
- *  to the reciprocals of its direction. Other quotients only shift the point from which distances are measured. */
+ *  with errors of up to 2.5 ulps instead of 1/2. This adds 2 ulps of 1 each to the segment's ends, their clipping and
+ *  the reciprocals of its direction. Other quotients only shift the point from which distances are measured. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
 #ifdef VULKAN
 CVERT_CONSTANT float unitUlps = 14.0f;
