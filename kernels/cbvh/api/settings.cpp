@@ -61,12 +61,11 @@ namespace embree
     return std::find(std::begin(keys),std::end(keys),name) != std::end(keys);
   }
 
-  /*! Keys and values of the device string that neither Embree nor this library knows. A new device calls
-   *  parseEnvironment(), which clears them, then parse(), which collects them, and finishParsing(), which reports
-   *  them. */
+  /*! Unknown keys of the device string, and their values. A new device calls parseEnvironment(), which clears them,
+   *  then parse(), which collects them, and finishParsing(), which may reject them. */
   static thread_local std::vector<std::pair<std::string,std::string>> unknownKeys;
 
-  /*! Without prefix: "grid, voxel, leaf or vert". */
+  /*! For an empty prefix, returns "grid, voxel, leaf or vert". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string list;

@@ -4,8 +4,7 @@
 #pragma once
 
 /* Per-thread cache of decoded blocks, because consecutive rays mostly reach the same blocks, and decoding is most of a
- * ray's cost. Entries (vert/cache.h, vert/mesh_cache.h, framed/node_cache.h) are direct-mapped by block address. A new
- * block may have the address of a released one, so each build invalidates all caches at its end. */
+ * ray's cost. Entries (vert/cache.h, vert/mesh_cache.h, framed/node_cache.h) are direct-mapped by block address. */
 
 #include "../embree/simd.h"
 #include <atomic>
@@ -21,7 +20,8 @@ namespace embree
     /*! Returns the size of one thread's caches. caches: mask of ThreadCaches. */
     size_t threadCacheBytes (unsigned caches);
 
-    /*! Must be called after blocks are built and before they are traced. Threads clear their caches at the next use. */
+    /*! Must be called after blocks are built or loaded and before they are traced: released blocks may have had their
+     *  addresses. Threads clear their caches at the next use. */
     void invalidateThreadCaches ();
 
     extern std::atomic<unsigned> cacheGeneration; //!< incremented by invalidateThreadCaches()
@@ -31,8 +31,8 @@ namespace embree
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Locality-preserving hash: grows by 1 every `step` bytes, so that neighboring blocks of at least `step` bytes
-     *  have different entries, except across multiples of 256 KiB. A hash of the address shifts each range of 256 KiB:
-     *  blocks at equal distances would otherwise share few entries. */
+     *  have different entries, except across multiples of 256 KiB. Each such range has another offset: blocks at equal
+     *  distances would otherwise share few entries. */
     __forceinline size_t localityHashOfBlock (const void* block, size_t step) {
       return size_t(block)/step + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
@@ -41,7 +41,7 @@ namespace embree
      *  evict the scene. */
     extern const size_t largeCaches;
 
-    /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries occupy no memory.
+    /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Entries from size() on occupy no memory.
      *  numExtra: further entries, for users that access consecutive entries from an index on. */
     template<typename Entry, size_t count, size_t numExtra = 0>
     struct CacheEntries

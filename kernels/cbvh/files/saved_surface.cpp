@@ -24,8 +24,8 @@ namespace embree
 
     namespace
     {
-      /*! Converts a surface's tree and lists its blocks. A file contains a tree, a list of few blocks with bounds, or a
-       *  list of moving blocks without bounds. */
+      /*! Converts a surface's tree and lists its blocks. The result is a tree, a list of blocks with bounds, or a list
+       *  of moving blocks without bounds. */
       class TreeConverter
       {
       public:
@@ -94,7 +94,7 @@ namespace embree
           return begin | FILE_NODE;
         }
 
-        /*! loadSurface() would reject these bounds. */
+        /*! Throws for bounds that loadSurface() rejects. */
         static void requireBounds (const float lower[3], const float upper[3]) {
           if (areBounds(lower,upper)) return;
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Validates blocks with frames (framed/block.h). validate.h and validate_mesh.h of
- * cvert/decoder validate others. */
+/* Validates blocks with frames (framed/block.h). */
 
 #include "../framed/block.h"
 #include "../base/codec_names.h"

@@ -11,13 +11,13 @@
 
 CVERT_BEGIN
 
-/*! Planes of a box on an axis, in world space. On the sheared axis they bound the sheared coordinate times the spacing,
- *  relative to the step's origin. */
+/*! Planes of a box on an axis, in world space. On the sheared axis they bound h of block.h, relative to the step's
+ *  origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Planes of a group: the bounds of its corners, enlarged by margins. Requires a step that is not raw. info: of
- *  the block, or, if it moves, of the segment that begins or ends with the step. c00 to c11: coordinates of the
- *  corners. margins: the group's byte for the axis. */
+/*! Planes of a group: the bounds of its corners, enlarged by margins. c00 to c11: coordinates of the corners. margins:
+ *  the group's byte for the axis. info and margins are of the block, or, if it moves, of the step with which the
+ *  segment begins. Neither the step nor the other end of the segment may be raw. */
 CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t info, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* visitor1.h, crossing1.h and hit_rule.h with one ray per lane, and with the same bits. */
+/* visitor1.h, crossing1.h and hit_rule.h with one ray per lane. Hits have the same bits. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
