@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics that a task of a build collects. BuildResults merges the tasks of a surface. */
+/* Statistics that a task of a build collects. */
 
 #include "codec_names.h"
 #include "surface_statistics.h"
@@ -43,7 +43,7 @@ namespace embree
         maxSquaredMismatch = std::max(maxSquaredMismatch,distance2(own,shared));
       }
 
-      /*! Adds the statistics of another task of the surface. Only this function computes sums.maxVertexDeviation and
+      /*! Adds the statistics of another part of the surface. Only this function computes sums.maxVertexDeviation and
        *  sums.maxBorderMismatch. */
       void merge (const BuildStatistics& other)
       {

@@ -54,7 +54,7 @@ namespace embree
         }
 
         /*! Sets the ranks, and returns 0, if all intersected children have decoded children. Otherwise returns a mask
-         *  of the others: the caller must decode them and call again. sBest: end of the ray, as s. */
+         *  of the others: the caller must decode their children and call again. sBest: end of the ray, as s. */
         __forceinline uint32_t intersect (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -83,8 +83,8 @@ namespace embree
           return 0u;
         }
 
-        /*! As intersect(), for a tile above the root. The ray must intersect the root's box, and the root's children
-         *  must be decoded. */
+        /*! As intersect(), for a tile above the root. The ray must intersect the root's box, and the grandchildren must
+         *  be decoded. */
         __forceinline void intersectAboveRoot (const NodeRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;

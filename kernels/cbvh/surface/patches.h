@@ -79,7 +79,7 @@ namespace embree
       }
     };
 
-    /*! Calls closure(const PatchOfFace&) for each patch, in the order of corners. The face must have edges. */
+    /*! Calls closure(const PatchOfFace&) for each patch, in the order of corners. Requires hasSurface(). */
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {
@@ -100,8 +100,8 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Returns a bit mask of the sides where the surface ends, is creased, or may bend as much because the patch has
-     *  few quads. There, the encoder of cLEAF checks how far leaves extend past the surface. */
+    /*! Returns a bit mask of the sides where the surface ends or is creased, or which have so few quads that it may
+     *  bend as sharply. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

@@ -65,8 +65,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. extent: as in boxSlack. shear:
- *  worldShear. */
+/*! Adds the term of a world axis. org, dir: of the ray. origin: of the block. extent: as in boxSlack. shear: factor of
+ *  the axis. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -231,7 +231,7 @@ CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, 
 /* --- distance ------------------------------------------------------------------------ */
 
 /*! Vertices of a triangle: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at
- *  most 28. Distances come from the plane, because the weights of needles have larger errors. */
+ *  most 28. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
 /*! Cross product of the edges from the first vertex; 0 for a line. */
@@ -330,8 +330,9 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle
   return t;
 }
 
-/*! Distance of the hit of a triangle that the ray's line passes through. A ray in the plane hits where it is nearest to
- *  the longest edge, but not before tnear: otherwise it could leave a closed surface without a hit. */
+/*! Distance of the hit of a triangle that the ray's line passes through: from the plane, because the weights of needles
+ *  have larger errors. A ray in the plane hits where it is nearest to the longest edge, but not before tnear: otherwise
+ *  it could leave a closed surface without a hit. */
 CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
@@ -368,8 +369,8 @@ struct TriangleKey
                        //!< + 1 for the second triangle of the quad; in a mesh block: 32 group + triangle
 };
 
-/*! True if a hit in a counts instead of a hit in b at the same distance. Makes results independent of the order in
- *  which blocks are tested. */
+/*! True if triangle a is hit rather than b at the same distance. Makes results independent of the order in which
+ *  blocks are tested. */
 CVERT_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;

@@ -33,7 +33,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cbv
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhGeometries { GeometryData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
-/* A block. geomID: in the block's scene. */
+/* See BlockData. */
 struct CbvhPointer { uvec2 address; uint geomID; };
 
 CbvhPointer cbvhPointer (SceneData scene, uint index)
