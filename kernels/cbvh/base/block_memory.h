@@ -20,9 +20,9 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called before any allocation. bytes: estimated size of a large surface, which uses Embree's allocator,
-       *  or 0 for a small one, whose pieces are allocated separately, because the allocator's chunks would stay mostly
-       *  empty. */
+      /*! Must be called before any allocation. bytes: estimated size of a large surface, whose small pieces come from
+       *  Embree's allocator, or 0 for a small one, whose pieces are all allocated separately, because the allocator's
+       *  chunks would stay mostly empty. */
       void reserve (size_t bytes);
 
       /*! Embree's allocator, for builders that require it. Null after reserve(0). */
@@ -38,8 +38,13 @@ namespace embree
     private:
       struct Piece { void* data; size_t bytes; };
 
+      /*! Embree's allocator has chunks of a twentieth of the estimated size, at most 2 MiB, and loses the remainder of a
+       *  chunk if the next piece does not fit. So pieces above an eighth of a chunk are allocated separately. */
+      static const size_t chunks = 20, maxChunkBytes = size_t(2) << 20, piecesPerChunk = 8;
+
       Device* device;
       std::unique_ptr<FastAllocator> allocator;
+      size_t maxPooledBytes = 0; //!< largest piece from the allocator
       std::vector<Piece> pieces;
       MutexSys mutex;
     };

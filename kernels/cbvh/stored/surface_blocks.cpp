@@ -122,11 +122,12 @@ namespace embree
       if (bytes == 0) return;
       allocator.reset(new FastAllocator(device,true));
       allocator->init_estimate(bytes);
+      maxPooledBytes = min(bytes/chunks,size_t(maxChunkBytes))/piecesPerChunk;
     }
 
     void* BlockMemory::allocate (size_t bytes)
     {
-      if (allocator) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
+      if (bytes <= maxPooledBytes) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
       device->memoryMonitor(ssize_t(bytes),false);
       Piece piece = { nullptr,bytes };
       try {

@@ -100,6 +100,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   float unit = uintBitsToFloat(min(exponent, 253u) << 23);
   float tmin = max(ray.tnear, 0.0)*unit, tmax = min(ray.tfar, 3.40282347e38)*unit;
   tmax = min(tmax, 3.40282347e38);
+  if (tmin > tmax) return false; // undefined in Vulkan
   rayQueryEXT query;
   rayQueryInitializeEXT(query, accelerationStructureEXT(CbvhSceneAt(address).scene.topLevel),
                         anyHit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT, 0xFFu, ray.origin, tmin,
