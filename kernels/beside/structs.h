@@ -31,7 +31,6 @@ CBVH_EXTENSIBLE_STRUCT(CbvhClusterStatistics, numTrianglesByReason);
 
 namespace beside {
 
-/* Zeros select defaults. */
 inline DicingCamera cameraOf(const CbvhDicingArguments& dicing)
 {
   const DicingCamera defaults;

@@ -57,7 +57,7 @@ namespace embree
         }
       }
 
-      /*! Returns a number that the table does not contain unchanged: it is an ID. */
+      /*! Returns the ID of a surface. IDs, which the table does not contain, are returned unchanged. */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tables for node_decoder4.h and tile_hits.h, computed when the library is loaded. One load per pair of planes replaces
- * shifts, conversions and selects, and returns the same floats on every instruction set. */
+/* Tables of planes and masks, computed when the library is loaded. One load per pair of planes replaces shifts,
+ * conversions and selects, and returns the same floats on every instruction set. */
 
 #include <cstdint>
 

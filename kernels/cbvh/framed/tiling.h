@@ -42,7 +42,7 @@ namespace embree
       return level;
     }
 
-    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if the patch then needs fewer bytes, for example
+    /*! Blocks have 2^max(level-frameLevel,0) quads per side, or fewer if the patch then needs fewer bytes, for example
      *  because it is narrow. */
     inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
     {

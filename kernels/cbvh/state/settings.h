@@ -22,19 +22,19 @@ namespace embree
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< set for geometries only
     int fallbackFaces = -1; //!< 1: faces that cLEAF represents badly, and moving geometry, become cVERT; negative:
                             //!< inherited
-    bool releasesInput = false; //!< the geometry or its device requests it
+    bool releasesInput = false; //!< if set for a device, holds for all its geometries
     /*! Set for devices only: types of geometry that inherit the device's compression. */
     bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
     RTCProgressMonitorFunction progress = nullptr; //!< set for geometries only
     void* progressUserPtr = nullptr;
 
-    /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
-     *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error for invalid
-     *  values and for unknown keys that begin with "cbvh". Keeps other unknown keys for finishParsing(). */
+    /*! Parses keys with the prefix cbvh_ in a device string. Returns false for Embree's keys and for tokens that are
+     *  not keys. Throws rtcore_error for invalid values and for unknown keys that begin with "cbvh". Keeps other
+     *  unknown keys for finishParsing(). */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
-     *  more exact than cLEAF. cVOXEL may be smaller, but its boxes cannot be shaded. */
+     *  more exact than cLEAF. cVOXEL may be smaller, but is much less exact. */
     static const RTCCompression preferredCompression = RTC_COMPRESSION_CVERT;
 
     /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. Call this before parse(), whose

@@ -30,9 +30,9 @@ CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of corners in a ste
 struct VertStep
 {
   float origin[3];        //!< as in VertHeader
-  uint32_t info;          //!< bits 0..23: of the segment that begins, as in VertHeader, but 12..13: 3 if the step is
-                          //!< raw; 24: has remainders; 25: the first cell is rotated; 26: words of groups have upper
-                          //!< bits; 27: has margins; 28..31: shift of bounds
+  uint32_t info;          //!< bits 0..23: as in VertHeader, of the segment that begins; 3 in 12..13: the step is raw;
+                          //!< 24: has remainders; 25: the first cell is rotated; 26: words of groups have upper bits;
+                          //!< 27: has margins; 28..31: shift of bounds
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
   uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: see rotationShift; 19..22:
