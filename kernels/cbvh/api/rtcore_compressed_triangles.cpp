@@ -33,7 +33,7 @@ RTC_API void rtcForEachCompressedPart (RTCGeometry hgeometry, float time, RTCCom
                                        void* userPtr)
 {
   Geometry* geometry = (Geometry*) hgeometry;
-  const Ref<Geometry> held(geometry); // the function may release the application's reference
+  const Ref<Geometry> held(geometry); // for RTC_CATCH_END2: the function may release the geometry
   RTC_CATCH_BEGIN;
   requireNotNull(geometry,"geometry");
   requireNotNull((const void*)function,"function");

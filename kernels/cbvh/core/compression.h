@@ -32,7 +32,7 @@ namespace embree
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why the last commit left a geometry to Embree's kernels although it requests compression: a static text
-     *  that completes "its primitives ...", for example "are too few to matter". Null otherwise, and if it has no
+     *  that completes "its primitives ...", for example "are too few to matter". Null otherwise, and for a mesh without
      *  primitives. Thread safety: as hasBlocks(). */
     const char* reasonNotCompressed (Geometry* geometry);
 

@@ -23,8 +23,8 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. The mapping begins `offsetInPage` bytes before the part. This is 0
-       *  unless the machine's pages are larger than the file's, as on some ARM64 machines. */
+      /*! Copy-on-write mapping of a part of a file. It begins `offsetInPage` bytes before the part: 0 unless the
+       *  machine's pages are larger than the file's, as on some ARM64 machines. */
       struct PrivatePages
       {
         const size_t offsetInPage;
@@ -52,7 +52,7 @@ namespace embree
         return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2]));
       }
 
-      /*! Receives the tree that TreeReader reads and checks, and builds the same tree from Embree's nodes. */
+      /*! Sink of TreeReader: builds the same tree from Embree's nodes, or stores a list's entries. */
       class SurfaceLoader
       {
       public:

@@ -111,7 +111,7 @@ namespace embree
       uint32_t node = 0;
       for (int axis=0; axis<2; axis++)
       {
-        /* x: children 0 and 2, 1 and 3. y: 0 and 1, 2 and 3. */
+        /* a, b: in column (row) 0. c, d: in column (row) 1. */
         const ExactBox& a = children[0], &b = children[2 >> axis], &c = children[1 << axis], &d = children[3];
         const float l = parent.lower[axis], e = parent.extent[axis];
         node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis]))

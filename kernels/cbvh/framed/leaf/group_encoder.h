@@ -12,7 +12,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Largest distance of the quads' edges on the block's border from the outer side, see borderWidthOf(). */
+    /*! Returns the width of lips that the group needs, see borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;
