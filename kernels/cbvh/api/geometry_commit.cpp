@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The commit of a geometry that can be compressed. Embree's commit functions call beginCommit(), which checks buffers
- * and decides whether the geometry is compressed, before they read the input, and endCommit() afterwards
- * (state/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp); if the geometry
- * releases its input, endCommit() does. */
+/* The commit of a geometry that can be compressed: beginCommit() runs before Embree reads the input, endCommit()
+ * afterwards (state/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp),
+ * unless endCommit() has. */
 
 #include "interpolation_checks.h"
 #include "../base/environment.h"
@@ -135,7 +134,7 @@ namespace embree
       return true;
     }
 
-    /*! True if blocks need no more memory than Embree's own grids. */
+    /*! Estimates whether blocks, without later time steps, need no more memory than Embree's own grids. */
     bool areSmallerAsBlocks (const GridMesh* mesh)
     {
       struct Bytes

@@ -75,7 +75,6 @@ namespace embree
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), vert(source.plan,source.mesh->device,store,statistics) {}
 
-        /*! Returns false if the grid must be written in strips. */
         bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;
@@ -89,7 +88,7 @@ namespace embree
       };
 
     private:
-      static const size_t quadsPerTask = 1 << 14; //!< on average, a task has at most one grid more than these
+      static const size_t quadsPerTask = 1 << 14; //!< on average, a task has at most these plus one grid
 
       template<typename Value>
       size_t sumOverGrids (const Value& value) const

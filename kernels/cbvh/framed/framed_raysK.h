@@ -39,7 +39,7 @@ namespace embree
           }
         }
 
-        /*! Required after the traversal: sets the final tfar of rays. */
+        /*! Required after the traversal for closest hits: sets the final tfar. */
         __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const {
           state.setFinalTfar(valid,tfar);
         }

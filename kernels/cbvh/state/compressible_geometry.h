@@ -4,7 +4,7 @@
 #pragma once
 
 /* State of geometries that can be compressed, in addition to Embree's. The commit of a geometry changes the type of
- * compressed moving cages, grids and meshes to GTY_COMPRESSED, which Embree's kernels ignore. Static cages keep their
+ * compressed grids, meshes and moving cages to GTY_COMPRESSED, which Embree's kernels ignore. Static cages keep their
  * type: if a scene compresses any static geometry, its compressed tree contains all of them. The commit of a scene
  * builds the blocks, unless endCommit() has. */
 
@@ -29,7 +29,7 @@ namespace embree
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built; a commit resets outdated ones
     std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built; atomic
     bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
-    const char* rejectionReason = nullptr;             //!< why a requested compression was not done, "" or null
+    const char* rejectionReason = nullptr;             //!< why a request was rejected ("": no input), or null
 
     /*! Records a change of the mask, a filter or the enabled state, after which blocks remain valid. counted: 1 if
      *  Embree increments the geometry's modCounter_ for it, otherwise 0. */
@@ -65,7 +65,7 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! Type of compressed geometry, except for static subdivision surfaces. Embree does not use this value. */
+    /*! Type of compressed geometry, except for static cages. Embree does not use this value. */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
@@ -80,8 +80,8 @@ namespace embree
     }
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
-    /*! True if blocks are traced instead of Embree's representation. False for static subdivision surfaces, about which
-     *  each scene decides (cbvh::hasCompressedGeometry). */
+    /*! True if blocks are traced instead of Embree's representation. False for static cages, about which each scene
+     *  decides (cbvh::hasCompressedGeometry). */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
     /*! False returns the geometry to Embree's kernels. */
@@ -113,7 +113,7 @@ namespace embree
   }
 
   /*! Returns the geometry if a scene's tree of moving, or static, blocks may contain it: it is enabled, and compressed
-   *  or a static subdivision surface. Otherwise null. geometry: may be null. */
+   *  or a static cage. Otherwise null. geometry: may be null. */
   inline CompressibleGeometry* asTreeGeometry (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
@@ -123,7 +123,7 @@ namespace embree
       ? compressible : nullptr;
   }
 
-  /*! Returns data, the contents of a buffer. Throws if it is null because the input was released. */
+  /*! Returns data, the contents of a buffer. Throws if it is null and the input was released. */
   void* requireBuffer (Geometry* geometry, void* data);
 
   /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if Embree

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Hash table of vertices by position, with open addressing, for GridBorders and StitchedVertices. Vertices that are
- * equal floats at all time steps have one entry. */
+/* Hash table of vertices by position, with open addressing. Vertices that are equal floats at all time steps have one
+ * entry. */
 
 #include "../base/codec_names.h"
 #include "../base/atomic_ref.h"
@@ -15,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for vertices
-     *  that are equal there. */
+    /*! Positions: has position(vertex), at the first time step, and areEqualAtOtherSteps(a,b), called for vertices that
+     *  are equal there. */
     template<typename Positions>
     class PositionTable
     {
@@ -44,7 +44,7 @@ namespace embree
       bool isEmpty () const { return slots.empty(); }
       size_t size () const { return slots.size(); } //!< upper bound of entries
 
-      /*! Returns the entry of a vertex, and adds it if there is none. Thread-safe. */
+      /*! Returns the entry of a finite vertex, and adds it if there is none. Thread-safe. */
       Entry add (const Positions& positions, size_t vertex)
       {
         const float* p = positions.position(vertex);
@@ -60,7 +60,7 @@ namespace embree
         }
       }
 
-      /*! Returns `none` if there is no entry. Must not be called while threads add vertices. */
+      /*! Returns `none` if there is no entry. Requires reserve(). Must not be called while threads add vertices. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);

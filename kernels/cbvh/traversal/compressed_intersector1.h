@@ -114,7 +114,7 @@ namespace embree
       };
     };
 
-    /*! Queries of the tree of moving blocks, at the ray's time. Rays that miss the bounds of all blocks cost little. */
+    /*! Queries of the tree of moving surfaces. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
@@ -131,7 +131,6 @@ namespace embree
           && cbvh::mayIntersect(ray,boundsAtAllTimes(bvh))) occludedTree(bvh,ray,context);
       }
 
-      /*! Bounds of all blocks at all times. */
       static __forceinline BBox3fa boundsAtAllTimes (const BVH4* bvh) {
         return merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
       }

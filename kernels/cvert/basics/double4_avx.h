@@ -40,7 +40,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   inline Double4 toDouble(Int4 a) { return _mm256_cvtepi32_pd(a.v); }
 
-  /* Return the first operand if an operand is NaN. */
+  /* Return the first operand if both are equal or one is NaN. */
   inline Double4 min(Double4 a, Double4 b) { return _mm256_min_pd(b.v,a.v); }
   inline Double4 max(Double4 a, Double4 b) { return _mm256_max_pd(b.v,a.v); }
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reasons for rejecting input. Functions that check bytes return a Reason, and neither allocate nor throw. Functions on
- * files throw an Error. */
+/* Reasons for rejecting input. Functions that check blocks or records return a Reason, and neither allocate nor throw.
+ * Functions on files throw an Error. */
 
 #include <cstdint>
 #include <stdexcept>

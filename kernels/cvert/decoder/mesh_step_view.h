@@ -18,7 +18,7 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshStep* const step;
     const MeshStepLayout layout;
     uint32_t fieldBits[maxMeshGroups][3]; //!< bits of a field, by group and axis
-    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of a group's fields, relative to the first; then the total
+    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of a group's fields, relative to layout.fields; then the total
 
     /*! step: from 1 on. */
     MeshStepView (const MeshView& first, uint32_t step) : MeshStepView(first,meshStepOf(first.block,step)) {}

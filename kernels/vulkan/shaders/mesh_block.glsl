@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups. In the
- * groups whose boxes the ray hits, decodes vertices in the order of the strips, and tests each triangle after its last
- * vertex. */
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups. In groups
+ * whose boxes the ray hits, nearest first, finds candidate triangles while it decodes vertices in the order of the
+ * strips, then tests these exactly. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -283,7 +283,7 @@ uint cbvhCandidateMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhP
   return mask;
 }
 
-/* The argument of primitiveOfMesh for triangle t of group g. */
+/* Number of triangle t of group g, for primitiveOfMesh. */
 uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
 {
   uint baseBits = baseNumberBits(block.counts), bits = groupNumberBits(cbvhMeshRecord(block, g));
