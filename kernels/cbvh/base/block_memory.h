@@ -38,8 +38,8 @@ namespace embree
     private:
       struct Piece { void* data; size_t bytes; };
 
-      /*! Embree's allocator has chunks of a twentieth of the estimated size, at most 2 MiB, and loses the remainder of a
-       *  chunk if the next piece does not fit. So pieces above an eighth of a chunk are allocated separately. */
+      /*! Embree's allocator has chunks of a twentieth of the estimated size, at most 2 MiB, and loses the remainder of
+       *  a chunk if the next piece does not fit. So pieces above an eighth of a chunk are allocated separately. */
       static const size_t chunks = 20, maxChunkBytes = size_t(2) << 20, piecesPerChunk = 8;
 
       Device* device;
