@@ -299,7 +299,9 @@ namespace embree
                        "traces a neighbor" << std::endl;
         if (statistics.sums.numInvalidQuads && !surface.isCage())
           std::cerr << geometry << statistics.sums.numInvalidQuads
-                    << " quads with vertices that are not finite are left out" << std::endl;
+                    << " quads are left out, because a vertex is not finite"
+                    << (surface.geometry->ownType == Geometry::GTY_GRID_MESH ? "" : " or an index is out of range")
+                    << std::endl;
         if (statistics.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
           std::cerr << geometry << statistics.sums.numUnsupportedFaces << " faces, beginning with face "
                     << statistics.firstUnsupportedFace << ", are left out: expected 3 to "
