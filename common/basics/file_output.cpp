@@ -52,7 +52,7 @@ struct Stream
     std::vector<char> piece(1 << 20);
     for (off_t at = 0;;)
     {
-      const ssize_t bytes = pread(memory.number, piece.data(), piece.size(), at);
+      const ssize_t bytes = cvert::readAllAt(memory.number, piece.data(), piece.size(), uint64_t(at));
       if (bytes == 0)
         return;
       const int error = bytes < 0 ? errno : cvert::writeAll(target.number, piece.data(), size_t(bytes));

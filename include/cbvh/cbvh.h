@@ -352,7 +352,8 @@ typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
  * input was set since the last commit and the accuracy is unchanged. Rays of a group hit the new surface after the next
- * cbvhCommitGroup. Quads with vertices that are not finite are left out; CbvhGroupStatistics counts them.
+ * cbvhCommitGroup. Quads with vertices that are not finite, and quads of a mesh with an index past the vertices, are
+ * left out; CbvhGroupStatistics counts them.
  *
  * progress: may be NULL.
  * userPtr:  passed to the progress function.
@@ -506,7 +507,8 @@ struct CbvhGroupStatistics
                                  * attributes of cages */
   size_t numQuads;              /* of the tessellation; two triangles of a mesh count as a quad */
   size_t numMovingQuads;        /* quads with several time steps */
-  size_t numInvalidQuads;       /* quads that were left out, mainly because a vertex is not finite */
+  size_t numInvalidQuads;       /* quads that were left out because a vertex is not finite, or an index of a mesh is
+                                 * past the vertices */
   float maxVertexDeviation;     /* world units: largest distance by which a vertex was moved */
 };
 

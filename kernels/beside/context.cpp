@@ -35,8 +35,10 @@ CbvhError codeOf(RTCError code)
  * no errors: the application is notified at once. */
 void handleEmbreeError(void* context, RTCError code, const char* text)
 {
-  const Failure failure = {codeOf(code), text ? text : ""};
-  if (collectsErrors) pendingError = failure;
+  Failure failure = {codeOf(code), ""};
+  try { if (text) failure.text = text; }
+  catch (const std::bad_alloc&) {} // without the text: exceptions must not leave functions of C
+  if (collectsErrors) pendingError = std::move(failure);
   else ((const CbvhContextTy*)context)->report(failure);
 }
 
@@ -80,8 +82,8 @@ static Failure exceptionAsFailure()
   try { throw; }
   catch (Failure& failure) { return std::move(failure); }
   catch (...) {
-    const embree::core::CaughtError error = embree::core::caughtError();
-    return {codeOf(error.code), error.text};
+    embree::core::CaughtError error = embree::core::caughtError();
+    return {codeOf(error.code), std::move(error.text)};
   }
 }
 

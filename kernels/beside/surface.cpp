@@ -337,23 +337,23 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Removes the callback. If commitInput() throws, also removes the request for compression. */
+  /* Removes the callback. If the input is still pending, commitInput() threw: also removes the request for compression.
+   * That modifies the geometry, and groups could not commit the current one. */
   struct Restore
   {
+    const CbvhSurfaceTy& surface;
     const std::shared_ptr<Input> input;
-    bool isCommitted;
 
     ~Restore()
     {
       input->progress = nullptr;
-      if (isCommitted) return;
+      if (surface.pending != input) return;
       try { core::setCompression(input->embreeGeometry(), embree::CompressionSettings()); } catch (...) {}
     }
-  } restore = {pending, false};
+  } restore = {*this, pending};
   pending->progress = progress;
   pending->progressPtr = userPtr;
   commitInput();
-  restore.isCommitted = true;
 }
 
 embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless)

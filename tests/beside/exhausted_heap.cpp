@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A group of libembree_cbvh is committed while the heap is exhausted: rays still hit its last commit, and it can be
- * committed later. */
+/* libembree_cbvh while the heap is exhausted: rays still hit the last commit of a group whose commit fails, and no
+ * exception leaves a function. */
 
 #include "small_cube.h"
 #include "support/exhaustible_heap.h"
@@ -52,6 +52,37 @@ TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit)
   EXPECT_GT(distance(), 0.0f);
   EXPECT_LT(distance(), before);
   cbvhReleaseGroup(group);
+  cbvhReleaseSurface(surface);
+  cbvhReleaseContext(context);
+}
+
+// Memory also runs out while the error is reported.
+TEST(BesideExhaustedHeap, ErrorsAreReturned)
+{
+  CbvhContext context = nullptr;
+  CbvhSurface surface = nullptr;
+  ASSERT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+  CbvhAccuracy accuracy = CbvhAccuracy();
+  accuracy.maxPixelError = -1;
+  unsigned numOutOfMemory = 0;
+  for (unsigned n = 0;; n++) { // refuses all allocations after the first n
+    SCOPED_TRACE(n);
+    CbvhError error = CBVH_OK;
+    bool isThrown = false;
+    refused = 0;
+    allowed = n;
+    isExhausted = true;
+    try { error = cbvhSetSurfaceAccuracy(surface, &accuracy); }
+    catch (...) { isThrown = true; }
+    isExhausted = false;
+    allowed = 0;
+    EXPECT_FALSE(isThrown);
+    if (refused == 0) { EXPECT_EQ(error, CBVH_ERROR_INVALID_ARGUMENT); break; }
+    EXPECT_TRUE(isThrown || error == CBVH_ERROR_OUT_OF_MEMORY || error == CBVH_ERROR_INVALID_ARGUMENT) << error;
+    numOutOfMemory += error == CBVH_ERROR_OUT_OF_MEMORY;
+  }
+  EXPECT_GT(numOutOfMemory, 0u) << "no allocation was refused, so nothing is tested";
   cbvhReleaseSurface(surface);
   cbvhReleaseContext(context);
 }

@@ -118,6 +118,43 @@ TEST_F(FileOutput, DevicesAndPipesAreWrittenInPlace)
   EXPECT_EQ(files(), 4u);
 }
 
+/* The system reads and writes at most 0x7ffff000 bytes per call, and fewer if a signal arrives. */
+TEST(FileTransfers, ContinueAfterShortCallsAndSignals)
+{
+  const std::string text = "0123456789";
+  unsigned calls = 0;
+  // every second call is interrupted, the others transfer up to 3 bytes
+  const auto transfer = [&](char* to, const char* from, size_t bytes) -> ssize_t
+  {
+    if (calls++ % 2 == 0)
+    {
+      errno = EINTR;
+      return -1;
+    }
+    const size_t n = std::min<size_t>(bytes, 3);
+    std::copy_n(from, n, to);
+    return ssize_t(n);
+  };
+  std::string written(text.size(), ' '), read(text.size(), ' ');
+  EXPECT_EQ(cvert::putAll(text.data(), text.size(), [&](const char* from, size_t bytes, size_t done)
+                          { return transfer(written.data() + done, from, bytes); }),
+            0);
+  EXPECT_EQ(written, text);
+  const auto get = [&](char* to, size_t bytes, size_t done)
+  { return transfer(to, text.data() + done, std::min(bytes, text.size() - done)); };
+  EXPECT_EQ(cvert::getAll(read.data(), read.size(), get), ssize_t(text.size()));
+  EXPECT_EQ(read, text);
+  read.resize(text.size() + 5);
+  EXPECT_EQ(cvert::getAll(read.data(), read.size(), get), ssize_t(text.size())) << "the file ends";
+  EXPECT_EQ(cvert::getAll(read.data(), 1,
+                          [](char*, size_t, size_t)
+                          {
+                            errno = EIO;
+                            return ssize_t(-1);
+                          }),
+            -1);
+}
+
 /* For writers that do not distinguish devices and pipes from files, such as caches. */
 TEST_F(FileOutput, UnfinishedFileReplacesNoDeviceAndNoPipe)
 {

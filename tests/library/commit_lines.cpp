@@ -232,6 +232,23 @@ TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
     }
 }
 
+// The message names both reasons for which quads of a mesh are left out.
+TEST(InvalidQuads, AreReportedWithTheirReasons)
+{
+  Random random(3);
+  DicedMesh mesh = meshOf(dicedSheet(1, 32), QuadOrder::Rows, random);
+  mesh.quads[100][2] = unsigned(mesh.vertices.size());
+  testing::internal::CaptureStderr();
+  {
+    const Device device("verbose=1");
+    const MeshScene scene(device, mesh);
+    EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 1u);
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("1 quads are left out, because a vertex is not finite or an index is out of range"),
+            std::string::npos) << text;
+}
+
 // Also if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {

@@ -3,6 +3,7 @@
 
 /* Counters of rtcGetSceneCompressionStatistics, and the times at which they are valid. */
 
+#include "support/file_mutations.h"
 #include "support/irregular_mesh.h"
 #include "support/scene.h"
 
@@ -319,6 +320,51 @@ TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
   }
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT}), vert) << "geometries share the caches";
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}), vert + leaf);
+}
+
+TEST(CompressionStatistics, MeshesWithoutGridsUseOneCache)
+{
+  Device device;
+  Random random(13);
+  DicedMesh mesh; // triangles that share no vertices
+  for (unsigned i = 0; i < 900; i++)
+    mesh.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+  for (unsigned i = 0; i < 300; i++) mesh.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  const MeshScene scene(device, mesh, RTC_COMPRESSION_CVERT);
+  const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+  EXPECT_EQ(stats.numIrregularQuads, 150u);
+  EXPECT_GT(stats.cacheBytesPerThread, size_t(1) << 16);
+  EXPECT_LE(stats.cacheBytesPerThread, cacheLimit());
+}
+
+// The types of blocks decide, not statistics, which are optional in files.
+TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts)
+{
+  const auto bytesIn = [](Device& device, RTCGeometry geometry, bool hasCounts) {
+    Scene scene(device);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numBlocks > 0, hasCounts);
+    return statisticsOf(scene).cacheBytesPerThread;
+  };
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    const Folder folder;
+    Device device;
+    const std::string path = folder/"geometry";
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str())) << device.message;
+    const size_t bytes = bytesIn(device, geometry, true);
+    EXPECT_GT(bytes, size_t(1) << 16);
+    FileBytes file(bytesOf(path));
+    std::memset(file.record(0).counts, 0, sizeof(file.record(0).counts));
+    file.fitChecksums();
+    writeBytes(path, file.bytes);
+    RTCGeometry loaded = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(loaded, nullptr) << device.message;
+    EXPECT_EQ(bytesIn(device, loaded, false), bytes);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
 }
 
 // The frame level of a face is determined by its roughest sub-patch.

@@ -170,9 +170,17 @@ TEST(Dicing, MaxRateIsRespected)
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
   std::fill(bounds.begin(), bounds.end(), 3.0f); // no power of two, to which rates are rounded
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 3.0f);
+  const float belowEight = std::nextafter(8.0f, 0.0f); // in floats, its logarithm is 3
+  std::fill(bounds.begin(), bounds.end(), belowEight);
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 4.0f);
   args.maxRates = nullptr;
   args.maxRate = 13;
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
+  args.maxRate = belowEight;
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 4.0f);
+  args.maxRate = std::nextafter(4096.0f, 0.0f);
+  args.quadSize = 1e-6f;
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 2048.0f);
 }
 
 TEST(Dicing, OrthographicCameraIgnoresDistance)

@@ -546,22 +546,29 @@ TEST(Meshes, CommitsReportProgress)
 {
   Device device;
   Random random(131);
-  const DicedMesh mesh = meshOf(dicedSheet(8, 64), QuadOrder::Rows, random);
-  struct Monitor { double most = 0; size_t calls = 0; std::mutex mutex; } monitor;
-  Scene scene(device);
-  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
-  rtcSetSceneProgressMonitorFunction(scene, [](void* self, double done) {
-    Monitor& m = *(Monitor*)self;
-    const std::lock_guard<std::mutex> lock(m.mutex);
-    m.most = std::max(m.most, done);
-    m.calls++;
-    return true;
-  }, &monitor);
-  rtcCommitScene(scene);
-  EXPECT_GT(monitor.calls, 2u);
-  EXPECT_GT(monitor.most, 0.99);
-  EXPECT_LE(monitor.most, 1.0 + 1e-6);
-  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  DicedMesh lines; // triangles without area
+  for (unsigned i = 0; i < 900; i++) lines.vertices.push_back({float(i), 0, 0});
+  for (unsigned i = 0; i < 300; i++) lines.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  DicedMesh invalid = lines;
+  for (auto& t : invalid.triangles) t[2] = 900;
+  for (const DicedMesh& mesh : {meshOf(dicedSheet(8, 64), QuadOrder::Rows, random), lines, invalid}) {
+    SCOPED_TRACE(mesh.size());
+    struct Monitor { double most = 0; size_t calls = 0; std::mutex mutex; } monitor;
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
+    rtcSetSceneProgressMonitorFunction(scene, [](void* self, double done) {
+      Monitor& m = *(Monitor*)self;
+      const std::lock_guard<std::mutex> lock(m.mutex);
+      m.most = std::max(m.most, done);
+      m.calls++;
+      return true;
+    }, &monitor);
+    rtcCommitScene(scene);
+    EXPECT_GT(monitor.calls, 2u);
+    EXPECT_GT(monitor.most, 0.99);
+    EXPECT_LE(monitor.most, 1.0 + 1e-6);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
 }
 
 TEST(Meshes, MemoryIsSmall)

@@ -171,32 +171,15 @@ namespace embree
         builder.reset();
       }
 
-      /*! True if the first moving block is a mesh block. A build stores all blocks of a moving surface as one type
-       *  (surface/mesh_regions.cpp); in a file, types may be mixed. */
-      static bool areMovingMeshBlocks (const SurfaceBlocks& blocks)
+      /*! Returns the mask of ThreadCaches that rays through the surfaces may use. */
+      static unsigned cachesOf (const std::vector<Surface>& surfaces)
       {
-        if (blocks.moving.empty()) return false;
-        size_t type;
-        BVH4::NodeRef(blocks.moving.front()).leaf(type);
-        return type == cbvh::MOVING_MESH_BLOCK;
-      }
-
-      /*! Returns the mask of ThreadCaches that rays through the surfaces may use, from statistics, which are optional
-       *  in files. Has vertCache even for a mesh without grids, and meshCache if all irregular quads are in narrow
-       *  grids. */
-      unsigned cachesOf (const std::vector<Surface>& surfaces) const
-      {
-        unsigned caches = 0;
-        for (const Surface& surface : surfaces)
-        {
-          const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
-          if (sums.numBlocks == 0) continue;
-          if (moves) caches |= areMovingMeshBlocks(*surface.blocks) ? cbvh::meshMotionCache : cbvh::motionCache;
-          else if (!cbvh::descriptionOf(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
-          else caches |= cbvh::nodeCache | (sums.numFallbackQuads ? cbvh::vertCache : 0u);
-          if (!moves && sums.numIrregularQuads) caches |= cbvh::meshCache;
-        }
-        return caches;
+        unsigned types = 0;
+        for (const Surface& surface : surfaces) types |= surface.blocks->types;
+        auto cacheOf = [&](unsigned type, unsigned cache) { return types >> type & 1 ? cache : 0u; };
+        return cacheOf(cbvh::FRAMED_BLOCK,cbvh::nodeCache) | cacheOf(cbvh::VERT_BLOCK,cbvh::vertCache)
+          | cacheOf(cbvh::MESH_BLOCK,cbvh::meshCache) | cacheOf(cbvh::MOVING_VERT_BLOCK,cbvh::motionCache)
+          | cacheOf(cbvh::MOVING_MESH_BLOCK,cbvh::meshMotionCache);
       }
 
       void add (const Surface& surface, cbvh::BuildStatistics& total)
@@ -316,7 +299,9 @@ namespace embree
                        "traces a neighbor" << std::endl;
         if (statistics.sums.numInvalidQuads && !surface.isCage())
           std::cerr << geometry << statistics.sums.numInvalidQuads
-                    << " quads with vertices that are not finite are left out" << std::endl;
+                    << " quads are left out, because a vertex is not finite"
+                    << (surface.geometry->ownType == Geometry::GTY_GRID_MESH ? "" : " or an index is out of range")
+                    << std::endl;
         if (statistics.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
           std::cerr << geometry << statistics.sums.numUnsupportedFaces << " faces, beginning with face "
                     << statistics.firstUnsupportedFace << ", are left out: expected 3 to "

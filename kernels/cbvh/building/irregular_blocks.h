@@ -44,6 +44,7 @@ namespace embree
         std::vector<range<size_t>> batches;
         if (triangles.centers.size()) batches.push_back(range<size_t>(0,triangles.centers.size()));
         for (uint32_t depth=0; divide(group,depth,batches); depth++) progress(0.0);
+        if (batches.empty()) progress(double(numPrimitives())); // no primitive can be hit
         const double perCenter = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
         parallel_for(size_t(0),batches.size(),size_t(1),[&](const range<size_t>& r) {
             cbvh::MeshClusters clusters(group);

@@ -187,7 +187,12 @@ namespace embree
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimRefs = prims.size();
-        for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
+        for (const PrimRef& prim : prims) {
+          blocks.bounds.extend(prim.bounds());
+          size_t type;
+          BVH4::NodeRef(prim.ID()).leaf(type);
+          blocks.types |= 1u << type;
+        }
         if (plan.moves()) {
           cbvh::resizeToFit(blocks.moving,prims.size());
           for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();

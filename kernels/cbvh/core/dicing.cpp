@@ -86,7 +86,7 @@ namespace embree
       }
 
       /*! Largest power of two up to `bound` and 4096. bound: at least 1, may be infinite. */
-      float largestRate (float bound) { return std::ldexp(1.0f,int(std::floor(std::log2(min(bound,4096.0f))))); }
+      float largestRate (float bound) { return std::ldexp(1.0f,std::ilogb(min(bound,4096.0f))); } // log2 would round up
 
       /*! Nearest power of two by ratio, at most `bound`. */
       float roundedRate (float rate, float bound) {

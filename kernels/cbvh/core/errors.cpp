@@ -10,13 +10,17 @@ namespace embree
 {
   namespace core
   {
-    CaughtError caughtError ()
+    CaughtError caughtError () noexcept
     {
-      try { throw; }
+      try {
+        try { throw; }
+        catch (const std::bad_alloc&) { throw; }
+        catch (const rtcore_error& error) { return { error.error,error.what() }; }
+        catch (const std::exception& error) { return { RTC_ERROR_UNKNOWN,error.what() }; }
+        catch (...) { return { RTC_ERROR_UNKNOWN,"unknown exception caught" }; }
+      }
+      // also if there is no memory for a copy of the text; this text is so short that std::string allocates nothing
       catch (const std::bad_alloc&) { return { RTC_ERROR_OUT_OF_MEMORY,"out of memory" }; }
-      catch (const rtcore_error& error) { return { error.error,error.what() }; }
-      catch (const std::exception& error) { return { RTC_ERROR_UNKNOWN,error.what() }; }
-      catch (...) { return { RTC_ERROR_UNKNOWN,"unknown exception caught" }; }
     }
 
     void throwInvalidArgument (const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,text); }

@@ -79,6 +79,7 @@ namespace embree
             file.failUnsupported(i,"it has blocks with frames: expected a library that was built with the paper's "
                                    "representations");
 #endif
+          surface.types |= 1u << typeOf(type);
           return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),typeOf(type));
         }
 

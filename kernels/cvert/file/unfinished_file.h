@@ -69,6 +69,26 @@ namespace cvert
       });
   }
 
+  /*! Reads all bytes by get(data,bytes,done), which may read fewer; done: bytes read before. Returns the number of
+   *  bytes, fewer than requested only at the end of the file, or -1 and sets errno. */
+  template<typename Get>
+  ssize_t getAll (void* data, size_t bytes, const Get& get)
+  {
+    size_t done = 0;
+    while (done < bytes)
+    {
+      const ssize_t n = get((char*)data+done,std::min(bytes-done,size_t(1) << 30),done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) return -1;
+      if (n == 0) break;
+      done += size_t(n);
+    }
+    return ssize_t(done);
+  }
+  inline ssize_t readAllAt (int file, void* data, size_t bytes, uint64_t offset) {
+    return getAll(data,bytes,[&](char* p, size_t n, size_t done) { return ::pread(file,p,n,off_t(offset+done)); });
+  }
+
   /*! Writes a file to the disk. Returns 0 or an error, but 0 on file systems that do not support this. */
   inline int flushToDisk (int file) {
     return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;

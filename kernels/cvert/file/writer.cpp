@@ -108,7 +108,12 @@ namespace cvert
     if (::fstat(descriptor,&status) != 0 || !S_ISREG(status.st_mode)) reject("is not a regular file");
     FileHeader header = FileHeader();
     const FileHeader blank = FileHeader();
-    const bool isShort = ::pread(descriptor,&header,sizeof(header),0) != ssize_t(sizeof(header));
+    auto read = [&](void* data, size_t bytes, uint64_t offset) {
+      const ssize_t n = readAllAt(descriptor,data,bytes,offset);
+      if (n < 0) reject(std::string("cannot be read: ") + std::strerror(errno));
+      return size_t(n) == bytes;
+    };
+    const bool isShort = !read(&header,sizeof(header),0);
     const bool isBlank = memcmp(&header,&blank,sizeof(blank)) == 0;
     if (isShort || isBlank)
     {
@@ -133,8 +138,8 @@ namespace cvert
     vertVersion = header.vertVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
-    const bool isRead = ::pread(descriptor,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
-    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + hint);
+    if (!read(directory.data(),bytes,header.directory)
+        || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + hint);
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
     writtenBytes = checkpointedBytes = header.fileBytes;
     if (::ftruncate(descriptor,off_t(writtenBytes)) != 0 || ::lseek(descriptor,off_t(writtenBytes),SEEK_SET) < 0)
