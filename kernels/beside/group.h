@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A group: surfaces that are traced together, as a scene of the kernels. rays.cpp traces it. */
+/* A group: surfaces that are traced together, as a scene of the kernels. */
 
 #include "surface.h"
 
@@ -30,5 +30,5 @@ private:
   void updateStatistics();
 
   std::vector<RTCGeometry> attached;   // geometry that the scene contains for each surface, or NULL
-  std::vector<bool> isReported;        // for each of them: faces that it leaves out were reported
+  std::vector<bool> isReported;        // true if the faces that attached[i] leaves out were reported
 };

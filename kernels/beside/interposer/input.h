@@ -30,7 +30,7 @@ struct Input
 {
   RTCGeometryType type;
   RTCGeometry original;
-  void* const* userData;         // points to the application's user data, for displacement
+  void* const* userData;         // location of the application's user data, for displacement
   unsigned int numTimeSteps = 1;
   float startTime = 0, endTime = 1;
   float tessellationRate = 2;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. The first scene with a geometry
- * uses and then frees the boxes that the build of its blocks computed. Later scenes decode the blocks. */
+/* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. Blocks are decoded
+ * unless the boxes that their build computed still exist. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -116,7 +116,7 @@ namespace embree
             decodeGrid((const cbvh::VertHeader*)block,segments,boxes);
             origin = ((const cbvh::VertHeader*)block)->origin;
           }
-          // the block is damaged; MotionTree requires a box
+          // MotionTree requires a box
           if (std::all_of(boxes,boxes+segments+1,[](const cbvh::StepBox& box) { return box.isEmpty(); }))
             for (int k=0; k<3; k++) boxes[0].lower[k] = boxes[0].upper[k] = origin[k];
         }

@@ -21,7 +21,7 @@
  *    vbool<K> needsPassedBoxes ()
  *      Rays for which passBoxes() must be called. May change.
  *    bool tracksPassedBoxes
- *      Constant. False if the two functions above must not be called.
+ *      Constant. If false, the two functions above are not called.
  *    vbool<K> activeRays
  *      Rays that continue the walk.
  *    vfloat<K> sBest
@@ -127,7 +127,7 @@ namespace embree
         {
           Tile& tile = tileOf(level,m);
           const uint32_t number = tile.number;
-          if (unlikely(tile.isAboveRoot())) { // all rays are in the box of the tile
+          if (unlikely(tile.isAboveRoot())) { // all rays intersect the root
             intersectChildren(level,m,number,tile.present,0,lanes);
             return;
           }

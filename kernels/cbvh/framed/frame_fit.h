@@ -93,7 +93,7 @@ namespace embree
       return plane;
     }
 
-    /*! Sets `map` to the homography of the corners. Returns false if they do not form a convex quad, or nearly do not.
+    /*! Sets `map` to the homography of the corners. Returns false if they form no convex quad, see above.
      *  Based on: Heckbert 1989. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
@@ -209,10 +209,10 @@ namespace embree
       bool isWBounded() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box. First widens their bounds by vertexRounding, and extents
-     *  below minExtentRatio of the block's world-space size, or below the resolution of floats, to that size. Returns
-     *  true if x or y was that small (Frame::degenerate). origin: world position to which the map's points are
-     *  relative. vertices: receives the widened bounds. */
+    /*! Scales X, Y and Z so that the vertices fill the box. First widens their bounds by vertexRounding as if W were
+     *  constant, and extents below minExtentRatio of the block's world-space size, or below the resolution of floats,
+     *  to that size. Returns true if x or y was that small (Frame::degenerate). origin: world position to which the
+     *  map's points are relative. vertices: receives the widened bounds. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))

@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  /*! Throws if a time step has fewer vertices than the first, or the time range of several is empty. */
+  /*! Throws if a time step has fewer vertices than the first, or several steps have an empty time range. */
   template<typename Mesh>
   void checkTimeSteps (const Mesh* mesh)
   {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Exact tests of a group's triangles that mayContain (cvert/rule/rule.h) accepted. Hits are reported through
- * base/epilogues.h. */
+/* Exact tests of a group's triangles that mayContain (cvert/rule/rule.h) accepted. */
 
 #include "cached_block.h"
 #include "triangles.h"

@@ -62,7 +62,7 @@ uvec2 bytesAfter (uvec2 at, uint offset)
 
 CVERT_BEGIN
 
-/*! Returns the i-th 32-bit word. GLSL requires addresses that are multiples of 4, here and in all functions below. */
+/*! Returns the i-th 32-bit word. GLSL reads only at addresses that are multiples of 4, here and below. */
 CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 {
   uint32_t word;
@@ -80,8 +80,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns `count` bits (at most 32) from bit `bit` on. Higher bits of the result are undefined. C++ reads only bytes
- *  that contain a requested bit; GLSL may also read the word after the last bit. */
+/*! Returns `count` bits (at most 32) from bit `bit` on. Higher bits of the result are undefined. C++ reads no byte
+ *  after the last bit; GLSL may also read the next word. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);

@@ -41,7 +41,7 @@ struct Capabilities
   RTCError driverError = RTC_ERROR_NONE; // set by examineDevice
   bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
   size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures, in bytes
-  uint64_t maxBoxes = 0, maxInstances = 0; // per bottom level, and per top level
+  uint64_t maxBoxes = 0, maxInstances = 0; // of bottom-level and top-level acceleration structures
   uint32_t computeFamily = ~0u;     // index of a queue family that supports compute; ~0u if there is none
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
