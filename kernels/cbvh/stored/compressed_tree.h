@@ -7,11 +7,11 @@
 
 namespace embree
 {
-  /*! A scene's tree over its static, or moving, compressed surfaces: Embree's BVH4, whose leaves are blocks or grids of
-   *  GRID (base/primitive_type.h). */
+  /*! A scene's tree over its static surfaces, or over its moving compressed ones: Embree's BVH4, whose leaves are
+   *  blocks or grids of GRID (base/primitive_type.h). */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool supportsPointQueries = false; //!< a geometry is not a cage: Embree supports no point queries of cages
+    bool supportsPointQueries = false; //!< false if it has only cages, which Embree's point queries skip
   };
 }

@@ -30,8 +30,8 @@ namespace embree
       const float* vertices;
       const float* parameters;   //!< u, v per vertex; null unless primitivesPerQuad is 0
       const uint32_t* primIDs;   //!< primitivesPerQuad per quad, row by row
-      /*! 0 for cages and grids, 1 for quad meshes, 2 for triangle meshes: the primitives of a quad's first and second
-       *  triangle, or the first repeated if there is no second. */
+      /*! 0 for cages and grids, 1 for quad meshes, 2 for triangle meshes: the primitives of a quad's first triangle, at
+       *  00, 10 and 01, and of its second triangle, or the first repeated if there is no second. */
       uint32_t primitivesPerQuad;
     };
   }

@@ -28,7 +28,7 @@ namespace embree
     }
   };
 
-  /*! A scene's acceleration structure over its moving, or static, compressed surfaces (api/factory.h). */
+  /*! A scene's acceleration structure with a CompressedTree (api/factory.h). */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

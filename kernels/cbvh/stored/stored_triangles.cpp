@@ -164,8 +164,7 @@ namespace embree
         }
 
       private:
-        /*! For blocks whose quads are primitives. Considers both triangles of a quad, in the application's order of
-         *  vertices. */
+        /*! See areQuadsPrimitives(). Vertices are in the application's order. */
         void searchByPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
@@ -294,7 +293,7 @@ namespace embree
         StoredTriangle& best;
         bool hasBest = false;
         double tolerance = 0,    //!< largest accepted distance from a triangle, in barycentric coordinates
-          bestCost = 0;      //!< see addCandidate()
+          bestCost = 0;
       };
     }
 

@@ -44,16 +44,15 @@ namespace embree
 
       uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
-      /*! True if each quad, or each of its two triangles, is a primitive: the block belongs to a quad or triangle
-       *  mesh. */
+      /*! True for cVERT blocks of quad or triangle meshes, where quads or their triangles are primitives. */
       bool areQuadsPrimitives () const { return isVert() && hasNumbers(vert()->info); }
     };
 
-    /*! Finds the blocks that contain a primitive. Immutable, so threads may share it. */
+    /*! Finds the triangle of a hit. Immutable, so threads may share it. */
     class BlockIndex
     {
     public:
-      /*! Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. `blocks` must outlive the index. */
+      /*! Throws as forEachPart(). `blocks` must outlive the index. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! See core/stored_surface.h. */
@@ -73,7 +72,7 @@ namespace embree
 
     /*! Calls closure(block, part) for all parts that exist at the time, until it returns false. A part is valid during
      *  its call. The triangles of a quad in different mesh blocks are parts of their own, as are triangles without a
-     *  partner. Throws if a block is damaged, or is not cVERT, cGRID or a mesh block. */
+     *  partner. Throws if a block is damaged, or a leaf is not cVERT, cGRID or a mesh block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

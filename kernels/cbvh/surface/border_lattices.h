@@ -34,7 +34,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Chooses a primitive's lattice at one time step from samples of its vertices. */
+    /*! Chooses a lattice from samples of vertices. */
     class LatticeChoice
     {
     public:
@@ -42,11 +42,11 @@ namespace embree
        *  that were evaluated. */
       explicit LatticeChoice (double spacingPerEdge = 0) : spacingPerEdge(spacingPerEdge) {}
 
-      /*! Call this once per patch. quads: along u and v. */
+      /*! Must be called for each patch if spacingPerEdge is 0. quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) minQuads[d] = min(minQuads[d],quads[d]); }
 
       /*! Adds a row or column of vertices. isCoarse: a border with a lower rate, and so longer edges, than its patch;
-       *  used only if there are no others. */
+       *  these edges count only if there are no others. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
@@ -91,7 +91,8 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,defaultSpacing); // cLEAF: max_error is for leaves
+        // cLEAF: max_error is for leaves; here it only refines
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,defaultSpacing);
         return spacing < INFINITY ? spacing : defaultSpacing;
       }
 
