@@ -15,10 +15,9 @@ namespace embree
   namespace core
   {
     /*! As rtcDiceGeometry: sets the level buffer of a subdivision surface and returns the levels, one per index. An
-     *  edge has the highest rate of its faces and time steps, rounded to the nearest power of two. Lengths are measured
-     *  as if seen from the front. Errors: as rtcDiceGeometry; RTC_ERROR_INVALID_OPERATION also for geometry loaded from
-     *  a file. Thread safety: no other thread may use the geometry during this call; several threads call the
-     *  displacement function. */
+     *  edge has the highest rate of its faces and time steps, rounded to the nearest power of two up to the maximum.
+     *  Thread safety: no other thread may use the geometry during this call; several threads call the displacement
+     *  function. */
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera);
   }
 }

@@ -4,9 +4,9 @@
 #pragma once
 
 /* Compressed geometries in files (docs/formats/file.md), with the contracts of
- * include/embree3/rtcore_compressed_files.h, but exceptions as errors. A file is mapped: rays can be traced
- * immediately, blocks that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced
- * or removed, but must not be written or truncated. */
+ * include/embree3/rtcore_compressed_files.h. Errors are thrown. A file is mapped: rays can be traced immediately,
+ * blocks that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced or removed,
+ * but must not be written or truncated. */
 
 #include "../base/surface_statistics.h"
 #include "../../../include/embree3/rtcore_compression.h"
@@ -41,7 +41,7 @@ namespace embree
        *  of the geometries. */
       CompressedFileWriter (Device* device, const char* path, uint64_t key);
 
-      /*! Removes an uncommitted file, or keeps it if the writer has a key and wrote geometries. */
+      /*! Keeps an uncommitted file with a key and geometries, also of earlier writers. Removes others. */
       ~CompressedFileWriter ();
 
       CompressedFileWriter (const CompressedFileWriter&) = delete;

@@ -76,8 +76,8 @@ namespace embree
     }
 
     /*! Factor of quad sizes outside of the picture. Grows with the distance from the picture, continuously, so that
-     *  adjacent faces get similar rates. Reaches outsideFactor 60 degrees off the picture's border or behind the camera
-     *  (1.15 = 1/sin(60 degrees)), or 1.7 times the longer side off an orthographic picture. */
+     *  adjacent faces get similar rates. Reaches outsideFactor 60 degrees off the picture's border (1.15 = 1/sin(60
+     *  degrees)), or 1.7 times the longer side off an orthographic picture. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Evaluates and displaces vertices of a cage's patch, with the parameters and operations of Embree's GRID
- * (subdivpatch1base_eval.cpp), so that the results are the same floats. Subdivides an irregular patch, and calls the
- * displacement function, once per part. */
+ * (subdivpatch1base_eval.cpp), so that the results are the same floats. Each part subdivides an irregular patch again,
+ * and calls the displacement function once. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"

@@ -130,8 +130,8 @@ namespace embree
     /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad: 16 per quad for
-     *  3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 5 per quad: 20 per quad for
+     *  3 x 3 quads, 14 for 4 x 4, and 6 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh

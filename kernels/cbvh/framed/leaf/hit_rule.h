@@ -13,7 +13,7 @@
  * passes through the upper face, and below where it passes through the lower face. It hits where f changes sign, or if
  * it enters and leaves on different sides.
  *
- * Patches of adjacent groups deviate from their shared edge by up to half a thickness each. So that no ray passes
+ * Patches of adjacent groups (format.h) deviate from their shared edge by up to half a thickness. So that no ray passes
  * through the step between them, a ray remembers on which side it left the last leaf, or passed the last box. It hits
  *
  * - at the entry of a leaf, if it enters on the other side;
