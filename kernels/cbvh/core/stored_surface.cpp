@@ -15,7 +15,7 @@ namespace embree
        *  between time steps. */
       bool fusesMultiplyAdds (const Device* device)
       {
-#if defined(__AVX2__) || defined(__ARM_NEON) // in the library's lowest ISA
+#if defined(__AVX2__) || defined(__ARM_NEON) // the lowest ISA fuses
         return true;
 #else
         const int features = device->enabled_cpu_features;

@@ -28,7 +28,7 @@ namespace embree
     const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only
   };
 
-  /*! args: struct of a public interface with members of the same names. The result refers to its arrays. */
+  /*! args: struct of a public interface with members of the same names. The result keeps its pointers. */
   template<typename Arguments>
   DicingCamera dicingCamera (const Arguments& args)
   {

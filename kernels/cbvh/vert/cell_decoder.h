@@ -193,7 +193,7 @@ namespace embree
       }
 
       /*! Adds remainders to the vertices of group (gx,gy). Scalar, because few blocks have remainders. start: of the
-       *  block or step. remainders: their word. */
+       *  block or step. remainders: the word of remainders. */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
                                             uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {

@@ -81,7 +81,7 @@ namespace embree
           alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K]; //!< set by intersectPlanes, as the following members
           uint32_t hitMask;     //!< rays with an intersection not before tnear
-          uint32_t inPlaneMask; //!< rays that lie in the plane, see isPlaneDecisive
+          uint32_t inPlaneMask; //!< rays for which isPlaneDecisive is false
 
           /*! firstX, firstY: position of the group's first quad in the patch. */
           __forceinline RayTriangles (uint32_t mask, const CellVertices& group, const vint<K>& triangleMasks,

@@ -58,7 +58,7 @@ namespace embree
             for (uint32_t c=0; c<4; c++)
               if (lattices.encoded >> c & 1) measureGroupOverhang(m+c,words[c],boxes[c]);
         }
-        /* groups without a lattice, or which four lanes cannot decide, one by one */
+        /* one by one: groups without a lattice, and undecided ones */
         for (uint32_t c=0; c<4; c++)
         {
           if (lattices.encoded >> c & 1) continue;
@@ -75,7 +75,7 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! Returns bits of BlockHeader::info: the smallest code, up to 15, whose width is at least `width`. */
+      /*! Returns bits of BlockHeader::info: the smallest code whose width is at least `width`, or 15. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -134,7 +134,7 @@ namespace embree
           statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
         if (geometry.cellLevels == geometry.height)
           statistics.leafFit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,isSeparate,thickness);
-        else if (cell == 0) // one of four parts of the only quad
+        else if (cell == 0) // the only quad counts once
           statistics.leafFit.addQuad(geometry,0,0,leaf.box,slope,isSeparate,thickness);
       }
 
