@@ -134,7 +134,7 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   requireNotNull(file,"file");
-  requireNotNull(description,"description");
+  requireNotNull(description,"info");
   const core::CompressedFileGeometryInfo from = file->geometryInfo(index);
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = from.type;
