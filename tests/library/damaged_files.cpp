@@ -258,6 +258,59 @@ TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
   }
 }
 
+// The index of rtcFindCompressedTriangle is not larger for larger primitive numbers.
+TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
+{
+  const auto peakKiB = [] {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  constexpr uint32_t added = 0x08000000; // 4 bytes for each of these numbers are 512 MiB
+  size_t altered = 0, found = 0;
+  for (const Saveable& saveable : allSaveable()) {
+    if (saveable.name.find("triangles") == std::string::npos && saveable.name.find("quads") == std::string::npos)
+      continue;
+    SCOPED_TRACE(saveable.name);
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    FileBytes file(bytesOf(path));
+    auto& record = file.record(0);
+    const uint32_t numPrimitives = record.numPrimitives;
+    const bool isTree = record.form == cvert::FILE_TREE;
+    for (uint64_t i = isTree ? 0 : offsetof(cvert::FileEntry, child); i < record.treeBytes; i += isTree ? 8 : 32) {
+      if (isTree && i % 128 >= 32) continue; // planes
+      uint64_t child;
+      std::memcpy(&child, &file.bytes[record.tree + i], sizeof(child));
+      if ((child & cvert::FILE_CHILD_MASK) <= cvert::FILE_NODE) continue;
+      char* const block = &file.bytes[record.blocks + (child & ~uint64_t(cvert::FILE_CHILD_MASK))];
+      (isMesh(cvert::FileChild(child & cvert::FILE_CHILD_MASK)) ? ((cvert::MeshHeader*)block)->primID
+                                                                : ((cvert::VertHeader*)block)->primID) += added;
+      altered++;
+    }
+    record.numPrimitives += added;
+    file.fitChecksums();
+    writeBytes(path, file.bytes);
+    RTCGeometry loaded = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(loaded, nullptr) << device.message;
+    const long before = peakKiB();
+    for (uint32_t primID = 0; primID < numPrimitives; primID += 101) {
+      RTCCompressedTriangle expected, actual;
+      if (!rtcFindCompressedTriangle(geometry, 0, primID, 0.3f, 0.3f, nullptr, &expected)) continue;
+      ASSERT_TRUE(rtcFindCompressedTriangle(loaded, 0, added + primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
+      ASSERT_EQ(std::memcmp(&actual, &expected, sizeof(actual)), 0) << primID;
+      ASSERT_FALSE(rtcFindCompressedTriangle(loaded, 0, primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
+      found++;
+    }
+    EXPECT_LT(peakKiB() - before, 100*1024);
+    rtcReleaseGeometry(loaded);
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_GT(altered, 300u);
+  EXPECT_GT(found, 1000u);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;

@@ -303,6 +303,24 @@ namespace embree
       forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); return true; });
       std::sort(blocks.begin(),blocks.end(),
                 [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
+      size_t numTriangles = 0; // upper bound
+      for (const StoredBlock& block : blocks) {
+        if (block.isMesh()) numTriangles += meshTriangles(block.mesh()->counts);
+        else if (block.areQuadsPrimitives())
+          numTriangles += 2*vertQuadsX(block.vert()->region)*vertQuadsY(block.vert()->region);
+      }
+      /* Primitive numbers of a file may be up to 2^32-2 in any block. So blockOf has no more bytes than pairs for all
+       * triangles would have. */
+      const size_t maxSize = 2*numTriangles;
+      auto add = [&](uint32_t primID, size_t i) {
+        const uint32_t block = uint32_t(i);
+        if (primID >= maxSize) { otherBlocks.emplace_back(primID,block); return; }
+        if (primID >= blockOf.size())
+          blockOf.resize(std::min(std::max(size_t(primID)+1,2*blockOf.size()),maxSize),uint32_t(none));
+        uint32_t& stored = blockOf[primID];
+        if (stored == none) stored = block;
+        else if (stored != block) otherBlocks.emplace_back(primID,block);
+      };
       for (size_t i=0; i<blocks.size(); i++)
       {
         if (blocks[i].isMesh()) {
@@ -310,23 +328,15 @@ namespace embree
           const MeshView view(block);
           for (uint32_t g=0; g<view.groups; g++)
             for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++)
-              add(primitiveOfMesh(block->info,view.number(g,t)),uint32_t(i));
+              add(primitiveOfMesh(block->info,view.number(g,t)),i);
         }
         if (!blocks[i].areQuadsPrimitives()) continue;
         forEachQuad(blocks[i].vert(),[&](uint32_t x, uint32_t y) {
-            for (bool isSecond : { false,true }) add(primitiveOfQuad(blocks[i].vert(),x,y,isSecond).primID,uint32_t(i));
+            for (bool isSecond : { false,true }) add(primitiveOfQuad(blocks[i].vert(),x,y,isSecond).primID,i);
           });
       }
       blockOf.shrink_to_fit();
-      std::sort(secondBlockOf.begin(),secondBlockOf.end());
-    }
-
-    void BlockIndex::add (uint32_t primID, uint32_t block)
-    {
-      if (primID >= blockOf.size()) blockOf.resize(std::max(size_t(primID)+1,2*blockOf.size()),uint32_t(none));
-      uint32_t& stored = blockOf[primID];
-      if (stored == none) stored = block;
-      else if (stored != block) secondBlockOf.emplace_back(primID,block);
+      std::sort(otherBlocks.begin(),otherBlocks.end());
     }
 
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
@@ -334,11 +344,11 @@ namespace embree
     {
       if (!(std::isfinite(u) && std::isfinite(v))) return false;
       Search search(time,u,v,Ng,triangle);
-      if (!blockOf.empty()) {
+      if (!blockOf.empty() || !otherBlocks.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.searchBlock(blocks[blockOf[primID]],primID);
-        auto second = std::lower_bound(secondBlockOf.begin(),secondBlockOf.end(),std::make_pair(primID,0u));
-        for (; second != secondBlockOf.end() && second->first == primID; ++second)
-          search.searchBlock(blocks[second->second],primID);
+        auto other = std::lower_bound(otherBlocks.begin(),otherBlocks.end(),std::make_pair(primID,0u));
+        for (; other != otherBlocks.end() && other->first == primID; ++other)
+          search.searchBlock(blocks[other->second],primID);
         return search.found();
       }
       for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,

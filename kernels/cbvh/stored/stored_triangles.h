@@ -64,10 +64,9 @@ namespace embree
 
       std::vector<StoredBlock> blocks; //!< sorted by primitive
       std::vector<uint32_t> blockOf;   //!< by primitive of a mesh; otherwise empty
-      /*! Sorted pairs of primitive and block, for quads with a triangle in a second mesh block. */
-      std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
-
-      void add (uint32_t primID, uint32_t block);
+      /*! Sorted pairs of primitive and block, for quads with a triangle in a second mesh block, and for primitives with
+       *  numbers too large for blockOf. */
+      std::vector<std::pair<uint32_t,uint32_t>> otherBlocks;
     };
 
     /*! Calls closure(block, part) for all parts that exist at the time, until it returns false. A part is valid during
