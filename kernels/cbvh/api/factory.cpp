@@ -137,11 +137,8 @@ namespace embree
   {
     std::vector<std::string> errors;
     for (Accel* accel : scene->accels)
-      if (CompressedAccel* compressed = dynamic_cast<CompressedAccel*>(accel)) {
-        Lock<MutexSys> lock(compressed->report->mutex);
-        errors.insert(errors.end(),compressed->report->errors.begin(),compressed->report->errors.end());
-        compressed->report->errors.clear();
-      }
+      if (CompressedAccel* compressed = dynamic_cast<CompressedAccel*>(accel))
+        for (const std::string& error : compressed->report->takeErrors()) errors.push_back(error);
     for (const std::string& error : errors)
       Device::process_error(scene->device,RTC_ERROR_INVALID_ARGUMENT,error.c_str());
   }

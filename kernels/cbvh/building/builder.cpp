@@ -194,7 +194,7 @@ namespace embree
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
         if (isNew && std::find(before.begin(),before.end(),surface.blocks->buildID) == before.end())
-          report->errors.push_back(describeInvalid(surface));
+          report->addError(describeInvalid(surface));
       }
 
       /*! Builds the tree over the parts of static surfaces. If there is only one surface and it has a tree, uses that

@@ -16,16 +16,33 @@ namespace embree
   {
     std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces whose blocks are in the BVH
     cbvh::CompressionStatistics statistics;
-    std::vector<std::string> errors; //!< errors that did not stop the build
-    MutexSys mutex;                  //!< protects errors, which any thread that joins a commit may read
 
     void clear ()
     {
       surfaces.clear();
       statistics = cbvh::CompressionStatistics();
-      Lock<MutexSys> lock(mutex);
-      errors.clear();
+      takeErrors();
     }
+
+    /*! Adds an error that does not stop the build. Thread-safe. */
+    void addError (const std::string& error)
+    {
+      Lock<MutexSys> lock(mutex);
+      errors.push_back(error);
+    }
+
+    /*! Returns the errors and removes them. Thread-safe: any thread that joins a commit calls this function. */
+    std::vector<std::string> takeErrors ()
+    {
+      std::vector<std::string> taken;
+      Lock<MutexSys> lock(mutex);
+      taken.swap(errors);
+      return taken;
+    }
+
+  private:
+    std::vector<std::string> errors;
+    MutexSys mutex; //!< protects errors
   };
 
   /*! A scene's acceleration structure with a CompressedTree (api/factory.h). */
