@@ -218,6 +218,28 @@ TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
     EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
 }
 
+// The geometry's diagonal limits the spacing, also if its square is not a normal float.
+TEST(CompressionStatistics, SpacingFollowsTheScaleOfTinyGeometry)
+{
+  Device device;
+  const auto spacing = [&](const Cage& cage, int exponent) {
+    Cage scaled = cage;
+    for (Vec& p : scaled.positions)
+      for (float& x : p) x = std::ldexp(x, exponent);
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_CVERT;
+    const SurfaceScene scene(device, scaled, settings);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    return statisticsOf(scene).maxVertexSpacing;
+  };
+  const Cage one = quadCage();
+  Cage two = one;
+  for (const Vec& p : one.positions) two.positions.push_back({p[0] + 64, p[1], p[2]});
+  two.addFace({4, 5, 6, 7});
+  EXPECT_GT(spacing(two, 0), spacing(one, 0)) << "the diagonal has no effect, so nothing is tested";
+  for (int exponent : {-30, -60, -70, -80}) EXPECT_EQ(spacing(two, exponent), std::ldexp(spacing(two, 0), exponent));
+}
+
 // The time steps of a mesh in mesh blocks share one lattice. Its spacing follows the median edge of all steps together:
 // the edges of one step in four do not change it, and those of three do.
 TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)

@@ -29,6 +29,7 @@
 #include "coarse_lattice.h"
 #include "plan.h"
 #include <algorithm>
+#include <limits>
 
 namespace embree
 {
@@ -189,7 +190,11 @@ namespace embree
             for (size_t i=r.begin(); i!=r.end(); i++) topology.extendBounds(i,step,b);
             return b;
           },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
-        return bounds.empty() ? 0.0 : length(bounds.size());
+        if (bounds.empty()) return 0.0;
+        const Vec3fa size = bounds.size();
+        /* in double if squares of floats underflow, below 1e-19; they cannot overflow (cbvh::maxCoordinate) */
+        if (dot(size,size) >= std::numeric_limits<float>::min()) return length(size);
+        return cbvh::length(cbvh::Double3{ size.x,size.y,size.z });
       }
 
       static void atomicMax (int8_t& exponent, int8_t value)
