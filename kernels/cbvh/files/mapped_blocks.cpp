@@ -21,8 +21,8 @@ namespace embree
      *  to a sorted list, which does not change, so that rays lock only after files were mapped or unmapped. */
     class MappedBlockRegistry
     {
-      /*! Copies members of MappedBlocks, because other threads may delete those of geometries that the calling thread
-       *  does not trace. */
+      /*! Copies members of MappedBlocks, because other threads may delete MappedBlocks that the calling thread does
+       *  not trace. */
       struct AddressRange
       {
         const char* begin;

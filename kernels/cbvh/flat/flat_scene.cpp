@@ -167,7 +167,7 @@ namespace embree
         OwnedScene& out;
         const SurfaceIDs& ids;
         uint32_t depth = 0;
-        /*! References to blocks that were copied: a tree contains a moving block once per time interval. */
+        /*! References to copied moving blocks: a tree contains a block once per time interval. */
         std::unordered_map<const void*,uint32_t> movingBlocks;
       };
 
@@ -264,7 +264,7 @@ namespace embree
         bool isAllMotionSupported = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
-        // if false, the trees stay empty, see rtcFlattenScene
+        // the trees stay empty unless all motion is supported
         for (const FlatGeometry& geometry : flat->ownGeometries)
           isAllMotionSupported &= geometry.type == FLAT_NONE || geometry.isMotionSupported;
 

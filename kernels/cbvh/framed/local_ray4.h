@@ -123,8 +123,8 @@ namespace embree
         }
 
       private:
-        /*! Range of the ray inside of the box: where X >= 0, W-X >= 0, and so on. It is empty if tauIn > tauOut, or if
-         *  `outside` is set: the ray is parallel to a side and beyond it. */
+        /*! Range of the ray inside of the box, widened by epsilon. It is empty if tauIn > tauOut, or if `outside` is
+         *  set: the ray is parallel to a side and beyond it. */
         struct Clip
         {
           float tauIn, tauOut;

@@ -27,7 +27,7 @@ namespace embree
     {
       NONE = 0,        //!< it is not, unless floats were requested
       FLOATS = 1,      //!< the block stores vertices with the precision of floats
-      MOVING = 2,      //!< vertices are interpolated between time steps, or the block is a moving mesh block
+      MOVING = 2,      //!< the block moves, and its vertices at this time do not fit the format
       OUT_OF_RANGE = 3 //!< over 2^23 spacings from the origin, over 2^16 wide, or the spacing is below 2^-126
     };
     enum { numClusterReasons = 4 };

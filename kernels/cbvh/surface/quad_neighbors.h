@@ -218,7 +218,7 @@ namespace embree
         });
     }
 
-    /*! Stores a neighbor of a quad, and the lowest such quad as the opposite neighbor. */
+    /*! Stores `next` as a neighbor of q. The neighbor of `next` on the opposite side is the lowest such q. */
     void setNeighbor (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;

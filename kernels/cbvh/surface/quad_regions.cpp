@@ -23,7 +23,7 @@ namespace embree
     public:
       RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
-      /*! Assigns all quads. For each kind of seeds, first to regions of at least 16 quads per side, then of
+      /*! Assigns all valid quads. For each kind of seeds, first to regions of at least 16 quads per side, then of
        *  minRegionSide; the remaining quads to regions of any size. */
       void run ()
       {
@@ -45,7 +45,7 @@ namespace embree
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
       /*! The bits above USED are the last pass in which a region that began here was too small. Unless seeds are
-       *  corners, all quads of such a region get the pass, so that it visits each quad once, even in narrow strips. */
+       *  corners, all quads of such a region get it, so that a pass visits each quad once, even in narrow strips. */
       enum Flags : uint8_t { USED = 1, PASS = 2 };
       /*! EDGES: quads without a free quad on the left, or without one below. */
       enum Seeds { CORNERS, EDGES, ALL };
@@ -174,8 +174,7 @@ namespace embree
         return true;
       }
 
-      /*! Steps that all seeds together may move, per quad of the mesh, as each quad of a long strip could move along
-       *  it. */
+      /*! Steps that all seeds together may move, per quad of the mesh: limits the time in long strips. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& neighbors;

@@ -22,8 +22,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: the members that PositionTable requires, size(), the number of grids, position(vertex,step) and
-     *  forEachBorderEdge(grid,closure(a,b)). */
+    /*! Positions: has the members that PositionTable requires, size() (number of grids), position(vertex,step) and
+     *  forEachBorderEdge(grid,closure(a,b)) with entries a and b. */
     template<typename Positions>
     class StitchedVertices
     {
@@ -89,7 +89,7 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! Order of vertices by position, which is independent of threads, unlike the order of entries. */
+      /*! Order by position at the first time step: independent of threads, unlike the order of entries. */
       bool isBefore (Entry a, Entry b) const
       {
         const cbvh::Double3 p = at(a), q = at(b);

@@ -106,7 +106,7 @@ namespace embree
       }
 
       /*! Copies the triangles, because later phases read them in the order of neighbors. Sorts scattered triangles by
-       *  their vertices, because consecutive vertices are often near each other. */
+       *  lowest vertex, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -350,7 +350,7 @@ namespace embree
       cbvh::UnmonitoredVector<unsigned> ends;      //!< counting sort: end, later begin, of each vertex's range
       cbvh::UnmonitoredVector<SortedHalfEdge> halves; //!< by lower vertex
       cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
-      cbvh::UnmonitoredVector<unsigned> partners;  //!< second triangle of a first one, `second`, or none
+      cbvh::UnmonitoredVector<unsigned> partners;  //!< second triangle of a first one; `second` for a second; none
     };
 
     /*! Decides whether the search for grids is worthwhile, by the number of triangles per vertex: six in a regular

@@ -12,7 +12,7 @@
  * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid. Triangles that
  *   the first search left alone are paired in the same way, but only across edges e and f.
  *
- * Both search only across edges that exactly two triangles, with consistent winding, share. If triangle t of the first
+ * Both searches cross only edges that exactly two triangles, with consistent winding, share. If triangle t of the first
  * half of the index buffer and triangle t of the second half share an edge, for nearly all t, then these are paired
  * without a search. */
 
