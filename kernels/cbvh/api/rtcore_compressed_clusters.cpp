@@ -29,7 +29,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
                                           struct RTCCompressedClusterStatistics* statistics)
 {
   Geometry* geometry = (Geometry*) hgeometry;
-  const Ref<Geometry> held(geometry); // the function may release the application's reference
+  const Ref<Geometry> held(geometry); // for RTC_CATCH_END2: the function may release the geometry
   RTC_CATCH_BEGIN;
   requireNotNull(geometry,"geometry");
   if (statistics) core::requireStruct(statistics);

@@ -32,8 +32,8 @@ namespace embree
     };
 
     /*! The constructor reports memory to a device's monitor, the destructor its release. The constructor throws
-     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It passes post = false: with post = true (already
-     *  allocated), the application would continue to count refused memory, which is never released. */
+     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. No release is reported then, so the constructor passes
+     *  post = false (not yet allocated): the application must not count refused memory. */
     class ReportedMemory
     {
     public:

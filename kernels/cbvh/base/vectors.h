@@ -50,7 +50,7 @@ namespace embree
       typedef vboolf<vectorWidth> vboolV;
 
       /*! cvert's directionReciprocal of three components; ignores the fourth lane. Components between 1e-9 and 1e9 need
-       *  no clamping. */
+       *  no clamping, except by an ulp if both ends occur. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);

@@ -30,10 +30,10 @@ namespace embree
     const uint64_t buildID;                            //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
-    /*! Bounds and BVH4::NodeRefs of the parts over which scenes build their trees: blocks, or subtrees of a few
-     *  blocks. */
+    /*! Bounds and BVH4::NodeRefs of the parts over which scenes build their trees: blocks and grids, or subtrees
+     *  of a few. */
     mvector<PrimRef> parts;
-    /*! BVH4::NodeRefs of the blocks of a moving surface, over which scenes build their trees. It has no parts. */
+    /*! BVH4::NodeRefs of the blocks of a moving surface, for the trees of scenes. It has no parts. */
     mvector<size_t> moving;
     /*! Boxes of moving blocks at their steps, block by block. Null once a scene has built its tree, and for surfaces of
      *  files: scenes then decode the blocks. Use atomic_load and atomic_store, because scenes may be built

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A patch of a cage, for CageSource (building/cage_source.h): a face with four corners, or the part of another face at
- * one of its corners. See source.h. */
+/* A patch of a cage (source.h): a face with four corners, or the part of another face at one of its corners. */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -55,7 +54,7 @@ namespace embree
       /*! Bit mask of the sides where the surface ends or bends, see sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! Embree's form of the patch at the first time step, for patches that GRID traces. */
+      /*! Embree's form of the patch at the first time step. */
       const SubdivPatch1Base& embreePatch () const { return base; }
 
     private:

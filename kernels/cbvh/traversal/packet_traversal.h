@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Single
- * rays have the same hits: a ray visits only blocks whose bounds it intersects itself, because it could hit geometry
- * outside of them (framed/block_bounds.h). Entry distances are passed as in top_level1.h. */
+/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Like
+ * single rays, a ray visits only blocks whose bounds it intersects itself, because it could hit a block's geometry
+ * outside of its bounds (framed/block_bounds.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"

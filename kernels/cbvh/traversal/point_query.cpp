@@ -1,11 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries (rtcPointQuery) over compressed geometries. "Within reach" means in the query's sphere, or in its box
- * for Embree's AABB queries. The application's function is called, possibly several times, for the primitive of each
- * block whose leaf is within reach, or that is the tree's only block. In blocks with numbers of quads and in mesh
- * blocks, it is called for each quad or triangle whose box is within reach. As in Embree, queries find no subdivision
- * surfaces. */
+/* Point queries (rtcPointQuery) over compressed geometries. A box is within reach if it touches the query's sphere, or
+ * its box for Embree's AABB queries. The application's function is called, possibly several times, for the primitive of
+ * each block whose box in the tree is within reach, or that is the tree's only block. In blocks with numbers of quads
+ * and in mesh blocks, it is called for each quad or triangle whose box is within reach. As in Embree, queries find no
+ * subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/block_validity.h"
@@ -170,7 +170,7 @@ namespace embree
           return changed;
         }
 
-        /*! False if a group of a mesh block that does not move is not within reach. Ignores a sheared axis. */
+        /*! True if a group's box is within reach, ignoring a sheared axis. The block must not move. */
         bool isWithinReach (const MeshView& view, uint32_t g) const
         {
           BBox3fa bounds;

@@ -44,8 +44,8 @@ namespace embree
       /*! Factors of reciprocals for the distances at which rays enter and leave boxes, so that rounding culls no box
        *  with a triangle in front of the ray that cvert/rule/rule.h hits. In half ulps, relative to the distance of the
        *  hit on the direction's largest axis: the rule shears the other axes with two roundings, and rounds sheared
-       *  vertices by at most 2. The distance to a plane has three: reciprocal, factor and product. Its difference has
-       *  none, because the vertex has the same one. Together 7, and 4 ulps are 8. Embree uses 3 ulps. */
+       *  vertices by at most 2. The distance to a plane has three: reciprocal, factor and product. Its difference
+       *  from the origin is rounded like the vertex's. Together 7, and 4 ulps are 8. Embree uses 3 ulps. */
       static constexpr float nearFactor = 1.0f-4.0f*std::numeric_limits<float>::epsilon();
       static constexpr float farFactor = 1.0f+4.0f*std::numeric_limits<float>::epsilon();
 
@@ -87,7 +87,7 @@ namespace embree
         return entryT <= exitT;
       }
 
-      /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: offsets of a node's planes, bytes. */
+      /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: byte offsets of a node's planes. */
       struct TopLevelRay : public TravRay<4,true>
       {
         __forceinline explicit TopLevelRay (const Ray& ray)
