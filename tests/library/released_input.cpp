@@ -75,6 +75,33 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
   }
 }
 
+// The topology is released, too, if the geometry has no attributes when it is committed.
+TEST(ReleaseInput, LaterAttributesCannotBeInterpolated)
+{
+  Device device("subdiv_accel=cbvh,cbvh_release_input=1");
+  Random random(1);
+  const Diced grids = dicedSheet(4, 32);
+  const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+  SurfaceSettings settings;
+  settings.rate = 32;
+  const std::function<RTCGeometry()> types[] = {
+    [&] { return newSurface(device, sheetCage(8), settings); }, [&] { return newGrids(device, grids); },
+    [&] { return newMesh(device, mesh); }, [&] { return newMesh(device, trianglesOf(mesh)); }};
+  for (size_t type = 0; type < std::size(types); type++) {
+    SCOPED_TRACE(type);
+    RTCGeometry geometry = types[type]();
+    rtcCommitGeometry(geometry);
+    rtcSetGeometryVertexAttributeCount(geometry, 1);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3, mesh.vertices);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    float P[3] = {-7, -7, -7};
+    rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, P, 3);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+    EXPECT_EQ(P[0], -7);
+    rtcReleaseGeometry(geometry);
+  }
+}
+
 // The commit of the geometry builds its blocks, and the progress function commits the geometry again.
 TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
 {

@@ -311,9 +311,21 @@ namespace embree
     mesh->invalid_face.clear();
   }
 
+  /*! True if a geometry has the grids, quads or triangles that rtcInterpolate reads. Also true for cages:
+   *  requireSupported() checks their topology. */
+  static bool hasPrimitives (const CompressibleGeometry* geometry)
+  {
+    switch (geometry->ownType) {
+    case Geometry::GTY_GRID_MESH: return bool(static_cast<const GridMesh*>(geometry)->grids);
+    case Geometry::GTY_QUAD_MESH: return bool(static_cast<const QuadMesh*>(geometry)->quads);
+    case Geometry::GTY_TRIANGLE_MESH: return bool(static_cast<const TriangleMesh*>(geometry)->triangles);
+    default: return true;
+    }
+  }
+
   void CompressibleGeometry::requireInput (RTCBufferType type) const
   {
-    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX)
+    if (surface.inputReleased && (type == RTC_BUFFER_TYPE_VERTEX || !hasPrimitives(this)))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
   }
 
