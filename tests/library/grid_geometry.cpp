@@ -338,6 +338,25 @@ TEST(GridSurfaces, SmallestGridsAreNotCompressed)
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
+// Each later step of a block has a header of its own, while Embree's grids refer to the buffers of all steps.
+TEST(GridSurfaces, LaterStepsCountAgainstCompression)
+{
+  Device device;
+  Diced diced = dicedSheet(10, 4);
+  diced.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.01f*float(step)}; };
+  const auto movingQuads = [&](unsigned flags, unsigned timeSteps) {
+    Scene scene(device);
+    attach(scene, newGrids(device, diced, RTC_COMPRESSION_CVERT, flags, timeSteps));
+    rtcCommitScene(scene);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({0.33f, 0.21f, 5}, {0, 0, -1}))));
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    return statisticsOf(scene).numMovingQuads;
+  };
+  EXPECT_EQ(movingQuads(0, 2), 1600u);
+  EXPECT_EQ(movingQuads(0, 10), 0u);
+  EXPECT_EQ(movingQuads(RTC_COMPRESSION_FLAG_RELEASE_INPUT, 10), 1600u) << "releasing their vertices saves more";
+}
+
 // Sides with more than 46,341 vertices: the product of two such numbers exceeds 2^31.
 TEST(GridSurfaces, LongSidesAreHit)
 {

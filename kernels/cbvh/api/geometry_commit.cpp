@@ -134,7 +134,7 @@ namespace embree
       return true;
     }
 
-    /*! Estimates whether blocks, without later time steps, need no more memory than Embree's own grids. */
+    /*! Estimates whether blocks need no more memory than Embree's own grids. */
     bool areSmallerAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -150,7 +150,8 @@ namespace embree
             const GridMesh::Grid& grid = mesh->grid(i);
             if (grid.resX < 2 || grid.resY < 2) continue;
             const size_t x = grid.resX-1, y = grid.resY-1;
-            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false),bytesOfGridInEmbree(x,y,mesh->numTimeSteps,mesh->device) };
+            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false) + bytesOfLaterSteps(x,y,mesh->numTimeSteps),
+                               bytesOfGridInEmbree(x,y,mesh->numTimeSteps,mesh->device) };
           }
           return sum;
         },std::plus<Bytes>());

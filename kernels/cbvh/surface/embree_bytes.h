@@ -30,6 +30,15 @@ namespace embree
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
+  /*! Lower bound of the bytes that motion adds to a grid as cVERT. Each block has a motion section, and each later step
+   *  has a header, an entry in the table, and words and margins of groups (docs/formats/motion.md). */
+  inline size_t bytesOfLaterSteps (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
+  {
+    if (numTimeSteps == 1) return 0;
+    const size_t blocks = ((quadsX+15)/16)*((quadsY+15)/16), groups = ((quadsX+3)/4)*((quadsY+3)/4);
+    return 16*blocks + (numTimeSteps-1)*(68*blocks + 4*groups);
+  }
+
   /*! A region of a mesh as cVERT at the default precision of meshes: 5.5 bytes per quad in full blocks, and `tables`,
    *  the bytes of the tables of numbers. */
   inline size_t bytesOfMeshGrid (size_t quadsX, size_t quadsY, size_t tables) {
