@@ -152,11 +152,11 @@ CVERT_REAL CVERT_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
   return sw/(w1*(Real(1)-s) + sw);
 }
 
-/*! Inverse of worldFraction. */
+/*! Inverse of worldFraction. Rounds like NodeRays::parameterAfter. */
 CVERT_REAL CVERT_FUNCTION Real localFraction (Real w0, Real w1, Real tau)
 {
-  Real tw = tau*w1;
-  return tw/(w0*(Real(1)-tau) + tw);
+  Real tw = product(tau,w1);
+  return tw/(product(w0,Real(1)-tau) + tw);
 }
 
 /*! Distance along the world-space ray at s. */

@@ -119,7 +119,7 @@ namespace embree
 
         /*! Returns an s not before distance t along the application's ray, despite rounding. */
         __forceinline float parameterAfter (float rcpScale, float t) const {
-          return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
+          return localParameter(t0,t1,w0,w1,product(t,rcpScale)) + slackOfS;
         }
 
       private:

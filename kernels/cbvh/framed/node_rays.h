@@ -121,7 +121,7 @@ namespace embree
         }
         /*! Same for ray k. */
         __forceinline float parameterAfter (size_t k, float rcpScale, float t) const {
-          return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS;
+          return localParameter(t0[k],t1[k],w0[k],w1[k],product(t,rcpScale)) + slackOfS;
         }
 
       private:
