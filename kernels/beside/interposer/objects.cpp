@@ -168,17 +168,23 @@ Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScen
   return garbage;
 }
 
+static bool isTransform(RTCFormat format)
+{
+  return format == RTC_FORMAT_FLOAT3X4_ROW_MAJOR || format == RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR
+    || format == RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR || format == RTC_FORMAT_QUATERNION_DECOMPOSITION;
+}
+
 void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer)
 {
   const Lock lock(mutex);
   Geometry* const array = findArray(geometry);
   if (!array || slot != 0 || (type != RTC_BUFFER_TYPE_INDEX && type != RTC_BUFFER_TYPE_TRANSFORM)) return;
-  /* Embree has the new buffer, or still its previous one if it rejected the call. */
+  /* Embree has the new buffer, or still its previous one if it rejected the call. Both can have the same data. */
   const void* const data = REAL(rtcGetGeometryBufferData)(geometry, type, slot);
   const bool isAccepted = data == buffer.data && buffer.stride % 4 == 0;
   InstancedScenes& instanced = array->instanced;
   if (type == RTC_BUFFER_TYPE_TRANSFORM) {
-    if (isAccepted) instanced.numTransforms = buffer.count;
+    if (isAccepted && isTransform(buffer.format)) instanced.numTransforms = buffer.count;
   }
   else if (isAccepted && buffer.format == RTC_FORMAT_UINT) instanced.indices = buffer;
   else if (data != instanced.indices.data) instanced.indices = Buffer(); // Embree no longer has the recorded buffer
