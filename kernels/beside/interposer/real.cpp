@@ -37,10 +37,20 @@ void* findReal(const char* name)
   return function;
 }
 
-bool isActive()
+/* True if REAL finds Embree 4's functions. A program on Embree 3 may have a plugin with an Embree 4 of its own. */
+static bool isRealEmbree4()
 {
   /* Embree 4 has rtcInvokeIntersectFilterFromGeometry, but Embree 3 does not. */
-  static const bool active = options().isOn && findFunction("rtcInvokeIntersectFilterFromGeometry") != nullptr;
+  const void* const intersect = findFunction("rtcIntersect1");
+  const void* const onlyIn4 = findFunction("rtcInvokeIntersectFilterFromGeometry");
+  Dl_info real, embree4;
+  return intersect && onlyIn4 && dladdr(intersect, &real) && dladdr(onlyIn4, &embree4)
+    && real.dli_fbase == embree4.dli_fbase;
+}
+
+bool isActive()
+{
+  static const bool active = options().isOn && isRealEmbree4();
   return active;
 }
 

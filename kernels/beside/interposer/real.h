@@ -14,7 +14,7 @@ namespace interposer {
  * the program if no loaded Embree has the function. */
 void* findReal(const char* name);
 
-/* False if the environment disables this library, or only Embree 3 is loaded, whose functions of the same names have
+/* False if the environment disables this library, or REAL finds the functions of Embree 3, which have the same names but
  * other arguments. All calls are then forwarded unchanged. */
 bool isActive();
 
