@@ -5,6 +5,7 @@
  * and keeps Objects consistent. Compressed geometry is built when its scene is committed. */
 
 #include "devices.h"
+#include "guarded.h"
 #include "objects.h"
 #include "options.h"
 
@@ -53,6 +54,14 @@ RTCGeometry geometryToAttach(RTCGeometry geometry, bool& isOriginal)
   return isOriginal ? geometry : substituted->substitute;
 }
 
+/* Detaches the geometry again, and returns false, if memory runs out. */
+bool recordAttachment(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal)
+{
+  if (guarded("rtcAttachGeometry", [&] { Objects::get().attach(scene, geomID, geometry, isOriginal); })) return true;
+  REAL(rtcDetachGeometry)(scene, geomID);
+  return false;
+}
+
 /* Share of a scene's progress for builds by libembree_cbvh; the rest is for Embree's commit. */
 constexpr double buildFraction = 0.9;
 
@@ -70,7 +79,12 @@ bool reportProgress(void* ptr, double done)
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
-  const auto all = objects.retainSubstituted(scene);
+  const struct Retained
+  {
+    const std::vector<std::pair<unsigned int, Geometry*>> all;
+    ~Retained() { Objects::get().releaseAll(all); }
+  } retained = {objects.retainSubstituted(scene)};
+  const auto& all = retained.all;
   size_t count = 0, done = 0;
   for (const auto& entry : all) count += entry.second->substituted->needsBuild();
   if (count > 0) scene.hasBuilt = true;
@@ -87,7 +101,6 @@ void prepare(Scene& scene)
     REAL(rtcDetachGeometry)(scene.handle, entry.first);
     REAL(rtcAttachGeometryByID)(scene.handle, isOriginal ? entry.second->handle : geometry.substitute, entry.first);
   }
-  objects.releaseAll(all);
 }
 
 /* Exists while a thread commits a scene. A thread joins the commit of the threads before it, and shares their
@@ -115,7 +128,7 @@ public:
   {
     if (!scene) return;
     const std::lock_guard<std::mutex> lock(scene->prepareMutex);
-    ::prepare(*scene);
+    guarded("rtcCommitScene", [&] { ::prepare(*scene); });
   }
 
 private:
@@ -129,7 +142,7 @@ private:
 RTC_API RTCDevice rtcNewDevice(const char* config)
 {
   const RTCDevice device = REAL(rtcNewDevice)(config);
-  if (device && isActive()) devices.add(device, threadsSettingOf(config));
+  if (device && isActive()) guarded("rtcNewDevice", [&] { devices.add(device, threadsSettingOf(config)); });
   return device;
 }
 
@@ -158,8 +171,9 @@ RTC_API RTCDevice rtcGetSceneDevice(RTCScene scene)
 RTC_API RTCScene rtcNewScene(RTCDevice device)
 {
   const RTCScene scene = REAL(rtcNewScene)(device);
-  if (scene && isActive()) Objects::get().addScene(scene);
-  return scene;
+  if (!scene || !isActive() || guarded("rtcNewScene", [&] { Objects::get().addScene(scene); })) return scene;
+  REAL(rtcReleaseScene)(scene);
+  return nullptr;
 }
 
 RTC_API void rtcRetainScene(RTCScene scene)
@@ -179,8 +193,9 @@ RTC_API unsigned int rtcAttachGeometry(RTCScene scene, RTCGeometry geometry)
 {
   bool isOriginal;
   const unsigned int geomID = REAL(rtcAttachGeometry)(scene, geometryToAttach(geometry, isOriginal));
-  if (geomID != RTC_INVALID_GEOMETRY_ID && isActive()) Objects::get().attach(scene, geomID, geometry, isOriginal);
-  return geomID;
+  if (geomID == RTC_INVALID_GEOMETRY_ID || !isActive() || recordAttachment(scene, geomID, geometry, isOriginal))
+    return geomID;
+  return RTC_INVALID_GEOMETRY_ID;
 }
 
 RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigned int geomID)
@@ -191,7 +206,7 @@ RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigne
   if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
   /* Embree reports an error if another geometry already has the ID */
   if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached)
-    Objects::get().attach(scene, geomID, geometry, isOriginal);
+    recordAttachment(scene, geomID, geometry, isOriginal);
 }
 
 RTC_API void rtcDetachGeometry(RTCScene scene, unsigned int geomID)
@@ -243,11 +258,15 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
 {
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, type);
   if (!geometry || !isActive()) return geometry;
-  if (isInstance(type)) Objects::get().addGeometry(geometry, type, nullptr);
-  if (!options().compresses(type)) return geometry;
-  if (Substituted* const substituted = Substituted::make(device, devices.settingsOf(device), geometry, type))
-    Objects::get().addGeometry(geometry, type, substituted);
-  return geometry;
+  const bool isRecorded = guarded("rtcNewGeometry", [&] {
+    if (isInstance(type)) Objects::get().addGeometry(geometry, type, nullptr);
+    if (!options().compresses(type)) return;
+    if (auto substituted = Substituted::make(device, devices.settingsOf(device), geometry, type))
+      Objects::get().addGeometry(geometry, type, std::move(substituted));
+  });
+  if (isRecorded) return geometry;
+  REAL(rtcReleaseGeometry)(geometry);
+  return nullptr;
 }
 
 RTC_API void rtcRetainGeometry(RTCGeometry geometry)
@@ -270,6 +289,12 @@ RTC_API void rtcSetGeometryInstancedScene(RTCGeometry geometry, RTCScene scene)
 
 RTC_API void rtcSetGeometryInstancedScenes(RTCGeometry geometry, RTCScene* scenes, size_t numScenes)
 {
+  if (!isActive() || !scenes || !Objects::get().find(geometry)) {
+    REAL(rtcSetGeometryInstancedScenes)(geometry, scenes, numScenes);
+    return;
+  }
+  std::vector<Scene*> storage;
+  if (!guarded("rtcSetGeometryInstancedScenes", [&] { storage.resize(numScenes); })) return;
   REAL(rtcSetGeometryInstancedScenes)(geometry, scenes, numScenes);
-  if (isActive()) Objects::get().setInstancedScenes(geometry, scenes, numScenes);
+  Objects::get().setInstancedScenes(geometry, scenes, numScenes, storage);
 }

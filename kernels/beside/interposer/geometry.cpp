@@ -39,7 +39,7 @@ CbvhContext contextOf(const std::string& settings)
 
 } // namespace
 
-Substituted* Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original,
+std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original,
   RTCGeometryType type)
 {
   if (!REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED)) {
@@ -53,9 +53,15 @@ Substituted* Substituted::make(RTCDevice device, const std::string& settings, RT
   }
   data->original = original;
   const RTCGeometry substitute = newUserGeometry(device, data);
-  if (substitute) return new Substituted(settings, original, type, data, substitute);
-  deleteSubstituteData(data);
-  return nullptr;
+  if (!substitute) { deleteSubstituteData(data); return nullptr; }
+  try {
+    return std::unique_ptr<Substituted>(new Substituted(settings, original, type, data, substitute));
+  }
+  catch (...) {
+    REAL(rtcReleaseGeometry)(substitute);
+    deleteSubstituteData(data);
+    throw;
+  }
 }
 
 Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, SubstituteData* data,

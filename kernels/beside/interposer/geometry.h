@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -23,9 +24,9 @@ typedef std::function<bool(double)> Progress;
 class Substituted
 {
 public:
-  /* Returns NULL if no substitute is possible. The caller owns the result. settings: of the context of
-   * libembree_cbvh. */
-  static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
+  /* Returns NULL if no substitute is possible. settings: of the context of libembree_cbvh. Throws std::bad_alloc. */
+  static std::unique_ptr<Substituted> make(RTCDevice device, const std::string& settings, RTCGeometry original,
+    RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
   Substituted& operator=(const Substituted&) = delete;

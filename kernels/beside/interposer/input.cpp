@@ -95,6 +95,7 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
 
 void Input::applyTo(CbvhSurface surface) const
 {
+  if (isIncomplete) throw Unsupported("out of memory for one of its buffers");
   if (type == RTC_GEOMETRY_TYPE_SUBDIVISION) applyCage(surface);
   else if (type == RTC_GEOMETRY_TYPE_GRID) applyGrids(surface);
   else applyMesh(surface);

@@ -37,6 +37,7 @@ struct Input
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
+  bool isIncomplete = false;     // memory ran out when a buffer was set
 
   /* Sets a surface's cage, grids or mesh. Throws Unsupported. This Input and its buffers must exist until the surface
    * is committed. */

@@ -11,27 +11,27 @@ typedef std::lock_guard<std::mutex> Lock;
 
 void Objects::addScene(RTCScene scene)
 {
-  const Lock lock(mutex);
-  Scene* const added = new Scene;
+  std::unique_ptr<Scene> added(new Scene);
   added->handle = scene;
-  scenes[scene] = added;
+  const Lock lock(mutex);
+  scenes[scene] = std::move(added);
 }
 
-void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, Substituted* substituted)
+void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, std::unique_ptr<Substituted> substituted)
 {
-  const Lock lock(mutex);
-  Geometry* const added = new Geometry;
+  std::unique_ptr<Geometry> added(new Geometry); // destroyed after the lock if the map runs out of memory
   added->handle = geometry;
   added->type = type;
-  added->substituted.reset(substituted);
-  geometries[geometry] = added;
+  added->substituted = std::move(substituted);
+  const Lock lock(mutex);
+  geometries[geometry] = std::move(added);
 }
 
 template<typename Map>
 static auto findOrNull(const Map& map, typename Map::key_type handle)
 {
   const auto found = map.find(handle);
-  return found == map.end() ? nullptr : found->second;
+  return found == map.end() ? nullptr : found->second.get();
 }
 
 Scene* Objects::find(RTCScene scene)
@@ -67,8 +67,7 @@ void Objects::retain(RTCGeometry geometry)
 void Objects::release(Geometry* geometry, Garbage& garbage)
 {
   if (--geometry->references > 0) return;
-  geometries.erase(geometry->handle);
-  garbage.geometries.emplace_back(geometry);
+  garbage.geometries.insert(geometries.extract(geometry->handle));
   release(geometry->instanced.only, garbage);
   for (Scene* const scene : geometry->instanced.all) release(scene, garbage);
 }
@@ -76,8 +75,7 @@ void Objects::release(Geometry* geometry, Garbage& garbage)
 void Objects::release(Scene* scene, Garbage& garbage)
 {
   if (!scene || --scene->references > 0) return;
-  scenes.erase(scene->handle);
-  garbage.scenes.emplace_back(scene);
+  garbage.scenes.insert(scenes.extract(scene->handle));
   for (const auto& attached : scene->attachments) release(attached.second.geometry, garbage);
 }
 
@@ -155,16 +153,16 @@ Objects::Garbage Objects::setInstancedScene(RTCGeometry geometry, RTCScene scene
   return garbage;
 }
 
-Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScene* instanced, size_t count)
+Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScene* instanced, size_t count,
+  std::vector<Scene*>& storage)
 {
   const Lock lock(mutex);
   Garbage garbage;
   Geometry* const array = findArray(geometry);
   if (!array || !instanced) return garbage;
-  std::vector<Scene*> previous;
-  previous.swap(array->instanced.all);
-  for (size_t i = 0; i < count; i++) array->instanced.all.push_back(findAndRetain(instanced[i]));
-  for (Scene* const scene : previous) release(scene, garbage);
+  for (size_t i = 0; i < count; i++) storage[i] = findAndRetain(instanced[i]);
+  storage.swap(array->instanced.all);
+  for (Scene* const scene : storage) release(scene, garbage);
   return garbage;
 }
 
@@ -208,6 +206,7 @@ std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene
 {
   const Lock lock(mutex);
   std::vector<std::pair<unsigned int, Geometry*>> all;
+  all.reserve(scene.attachments.size());
   for (const auto& attached : scene.attachments)
     if (attached.second.geometry->substituted) {
       attached.second.geometry->references++;

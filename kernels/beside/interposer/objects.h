@@ -11,7 +11,7 @@
 
 #include <map>
 #include <memory>
-#include <unordered_map>
+#include <new>
 #include <vector>
 
 namespace interposer {
@@ -61,16 +61,26 @@ struct Scene
   std::atomic<bool> hasBuilt{false};     // the current commit has built substitutes
 };
 
-/* Thread-safe. Handles that Objects does not contain are ignored. */
+/* Thread-safe. Handles that Objects does not contain are ignored. Functions that throw std::bad_alloc, as stated, then
+ * change nothing; other functions do not allocate. */
 class Objects
 {
+  typedef std::map<RTCScene, std::unique_ptr<Scene>> Scenes;
+  typedef std::map<RTCGeometry, std::unique_ptr<Geometry>> Geometries;
+
 public:
   /* Never destroyed, because programs release geometries in destructors of static objects. */
-  static Objects& get() { static Objects& objects = *new Objects; return objects; }
+  static Objects& get()
+  {
+    alignas(Objects) static char storage[sizeof(Objects)]; // memory cannot run out
+    static Objects& objects = *new (storage) Objects;
+    return objects;
+  }
 
+  /* Throw std::bad_alloc. */
   void addScene(RTCScene scene);
-  /* Takes ownership of `substituted`, which is NULL for instances and instance arrays. */
-  void addGeometry(RTCGeometry geometry, RTCGeometryType type, Substituted* substituted);
+  /* substituted: NULL for instances and instance arrays. */
+  void addGeometry(RTCGeometry geometry, RTCGeometryType type, std::unique_ptr<Substituted> substituted);
 
   /* Return NULL for unknown objects. The result is valid while the caller holds a reference to the handle. */
   Scene* find(RTCScene scene);
@@ -81,27 +91,30 @@ public:
   void retain(RTCGeometry geometry);
 
   /* Objects without references, including the released object itself. The caller must keep them until Embree has
-   * released that object. Destroying them calls Embree, so Objects must not be locked then. */
+   * released that object. Destroying them calls Embree, so Objects must not be locked then. Nodes of maps move here
+   * without allocations. */
   struct Garbage
   {
-    std::vector<std::unique_ptr<Geometry>> geometries;
-    std::vector<std::unique_ptr<Scene>> scenes;
+    Geometries geometries;
+    Scenes scenes;
   };
   Garbage release(RTCScene scene);
   Garbage release(RTCGeometry geometry);
 
+  /* Throws std::bad_alloc. */
   void attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal);
   Garbage detach(RTCScene scene, unsigned int geomID);
 
   /* Changes of instances and instance arrays, to call after Embree's function. Calls that Embree rejects, and calls for
    * other geometries, have no effect. */
   Garbage setInstancedScene(RTCGeometry geometry, RTCScene scene);
-  Garbage setInstancedScenes(RTCGeometry geometry, const RTCScene* scenes, size_t count);
+  /* storage: `count` elements, allocated before Embree's function is called. */
+  Garbage setInstancedScenes(RTCGeometry geometry, const RTCScene* scenes, size_t count, std::vector<Scene*>& storage);
   void setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer);
   void commitArray(RTCGeometry geometry);
 
   /* Retains and returns the attached geometries that have substitutes, with their geomIDs. The caller must pass the
-   * result to releaseAll. */
+   * result to releaseAll. Throws std::bad_alloc. */
   std::vector<std::pair<unsigned int, Geometry*>> retainSubstituted(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
   /* Records whether Embree's scene must contain the original or the substitute. Returns true if the caller must replace
@@ -120,8 +133,8 @@ private:
   Geometry* findArray(RTCGeometry geometry);        // returns NULL for other geometries
 
   std::mutex mutex;
-  std::unordered_map<RTCScene, Scene*> scenes;
-  std::unordered_map<RTCGeometry, Geometry*> geometries;
+  Scenes scenes;
+  Geometries geometries;
 };
 
 } // namespace interposer

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <locale>
 #include <mutex>
+#include <new>
 #include <set>
 #include <sstream>
 #include <string>
@@ -126,16 +127,21 @@ const Options& options()
 
 void warnOnce(const char* format, ...)
 {
-  /* Never destroyed, because programs release geometries in destructors of static objects. */
-  static std::mutex& mutex = *new std::mutex;
-  static std::set<std::string>& printed = *new std::set<std::string>;
   char line[512];
   va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(line, sizeof(line), format, arguments);
   va_end(arguments);
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (printed.insert(line).second) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
+  bool isNew = true; // also if memory runs out
+  try {
+    /* Never destroyed, because programs release geometries in destructors of static objects. */
+    static std::mutex& mutex = *new std::mutex;
+    static std::set<std::string>& printed = *new std::set<std::string>;
+    const std::lock_guard<std::mutex> lock(mutex);
+    isNew = printed.insert(line).second;
+  }
+  catch (const std::bad_alloc&) {}
+  if (isNew) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
 }
 
 } // namespace interposer

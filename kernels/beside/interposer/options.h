@@ -24,7 +24,7 @@ struct Options
 /* Read once. Invalid items are reported on stderr and turn compression off. */
 const Options& options();
 
-/* Prints a line to stderr, unless it was printed before. Thread-safe. */
+/* Prints a line to stderr, unless it was printed before. Thread-safe. Throws nothing. */
 void warnOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 } // namespace interposer

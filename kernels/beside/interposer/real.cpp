@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "real.h"
-#include "options.h"
+#include "guarded.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -50,7 +50,11 @@ static bool isRealEmbree4()
 
 bool isActive()
 {
-  static const bool active = options().isOn && isRealEmbree4();
+  static const bool active = [] {
+    bool isOn = false;
+    guarded("EMBREE_CBVH", [&] { isOn = options().isOn; });
+    return isOn && isRealEmbree4();
+  }();
   return active;
 }
 

@@ -14,8 +14,8 @@ namespace interposer {
  * the program if no loaded Embree has the function. */
 void* findReal(const char* name);
 
-/* False if the environment disables this library, or REAL finds the functions of Embree 3, which have the same names but
- * other arguments. All calls are then forwarded unchanged. */
+/* False if the environment disables this library, or REAL finds the functions of Embree 3, which have the same names
+ * but other arguments. All calls are then forwarded unchanged. */
 bool isActive();
 
 } // namespace interposer

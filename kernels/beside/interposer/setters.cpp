@@ -5,6 +5,7 @@
  * Substituted, if there is one. Interpolation and half-edges need no overrides, because the application's handles are
  * Embree's. */
 
+#include "guarded.h"
 #include "objects.h"
 
 using namespace interposer;
@@ -66,7 +67,8 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
   if (!isActive() || !geometry) return;
   Objects::get().setArrayBuffer(geometry, type, slot, buffer);
   changeInput(geometry, [&](Input& input) {
-    if (isAccepted(input, type, slot, buffer.format, buffer.data, buffer.stride)) input.buffers[{type, slot}] = buffer;
+    if (!isAccepted(input, type, slot, buffer.format, buffer.data, buffer.stride)) return;
+    input.isIncomplete |= !guarded("setting a buffer", [&] { input.buffers[{type, slot}] = buffer; });
   });
 }
 
