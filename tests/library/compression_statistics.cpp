@@ -287,12 +287,15 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
     return cage;
   };
   Cage large = prismCage(20), tiny = sheetCage(4);
+  Cage withHoles = large;
+  withHoles.holes = {21, 0, 3};
   tiny.addFace({0, 1});
   struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers;
   } cases[] = {{"64 quads at a vertex", fan(64, 4), 0, true},
                {"65 quads at a vertex", fan(65, 4), 65, false},
                {"16 corners", prismCage(16), 0, true},
                {"20 corners, at which all quads are", large, 22, false},
+               {"the same with holes", withHoles, 19, false},
                {"2 corners", tiny, 1, true}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {

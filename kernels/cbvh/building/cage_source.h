@@ -31,7 +31,8 @@ namespace embree
       static const bool isDeterministic = false; //!< displacement functions may return other values each time
 
       CageSource (SubdivMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.maxErrorSetsFrameLevel() ? mesh->size() : 0) {}
+        : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.maxErrorSetsFrameLevel() ? mesh->size() : 0),
+          holes(sortedHoles(mesh)) {}
 
       size_t size () const { return mesh->size(); }
 
@@ -79,7 +80,9 @@ namespace embree
        *  displacement functions, and from control vertices that are not finite at some of the steps. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
-      bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
+      bool isUnsupported (size_t face) const {
+        return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face,holes);
+      }
 
       size_t bytesInEmbree (const SurfacePatch& patch) const {
         const Vec2i quads(int(patch.quads[0]),int(patch.quads[1]));
@@ -172,6 +175,7 @@ namespace embree
       const CompressionPlan& plan;
       mvector<unsigned char> frameLevel;      //!< by face; empty unless maxErrorSetsFrameLevel()
       std::unique_ptr<CageBorders> borders;   //!< null if faces share no borders, and outside of prepare() to release()
+      const std::vector<unsigned> holes;      //!< see isa::isUnsupported
     };
   }
 }

@@ -7,6 +7,8 @@
  * faces Embree can evaluate. */
 
 #include "../embree/scene.h"
+#include <algorithm>
+#include <vector>
 
 namespace embree
 {
@@ -54,13 +56,21 @@ namespace embree
       return false;
     }
 
-    /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes and faces without corners. */
-    inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
+    /*! Returns the holes of a cage in ascending order, for isUnsupported(). */
+    inline std::vector<unsigned> sortedHoles(const SubdivMesh* mesh)
+    {
+      std::vector<unsigned> holes(mesh->holes.size());
+      for (size_t i=0; i<holes.size(); i++) holes[i] = mesh->holes[i];
+      std::sort(holes.begin(),holes.end());
+      return holes;
+    }
+
+    /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes and faces without corners.
+     *  holes: see sortedHoles(). */
+    inline bool isUnsupported(const SubdivMesh* mesh, size_t face, const std::vector<unsigned>& holes)
     {
       if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;
-      for (size_t i=0; i<mesh->holes.size(); i++)
-        if (mesh->holes[i] == face) return false;
-      return true;
+      return !std::binary_search(holes.begin(),holes.end(),unsigned(face));
     }
 
     /*! Arguments of Embree's SubdivPatch1Base, which make() constructs. The pointers are valid while forEachPatch's
