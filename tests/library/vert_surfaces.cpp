@@ -345,6 +345,33 @@ TEST(VertSurfaces, FlippedQuadsAreCounted)
   EXPECT_GT(flipped, 100u);
 }
 
+// The dot product of two normals has the fourth power of an edge's length.
+TEST(VertSurfaces, FlippedQuadsAreCountedAtAnyScale)
+{
+  Device device;
+  size_t total = 0;
+  for (const auto& shape : closedCages)
+    for (float rate : {2.0f, 8.0f, 16.0f}) {
+      size_t flipped = 0;
+      for (float scale : {1.0f, 0x1p-40f, 0x1p40f}) {
+        SCOPED_TRACE(testing::Message() << shape.name << ", rate " << rate << ", scale " << scale);
+        Cage cage = shape.cage;
+        for (Vec& p : cage.positions) for (float& x : p) x *= scale;
+        SurfaceSettings settings;
+        settings.rate = rate;
+        settings.compression = RTC_COMPRESSION_CVERT;
+        settings.maxError = scale*1.5f/rate; // larger than a quad
+        const SurfaceScene scene(device, cage, settings);
+        ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+        const size_t n = statisticsOf(scene).numFlippedQuads;
+        if (scale == 1) flipped = n;
+        else EXPECT_EQ(n, flipped);
+      }
+      total += flipped;
+    }
+  EXPECT_GT(total, 0u);
+}
+
 TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
 {
   Device device;

@@ -291,7 +291,9 @@ namespace embree
           auto edge = [&](size_t i) { return Vec3fa(p[i][0],p[i][1],p[i][2]) - Vec3fa(p[a][0],p[a][1],p[a][2]); };
           return cross(edge(b),edge(c));
         };
-        return dot(normal(original),normal(snapped)) < 0.0f;
+        const float normalDot = dot(normal(original),normal(snapped));
+        if (abs(normalDot) > cbvh::minNormalDot && abs(normalDot) < float(inf)) return normalDot < 0.0f;
+        return cbvh::isTurned(original,snapped,a,b,c);
       }
 
       const CompressionPlan& plan;

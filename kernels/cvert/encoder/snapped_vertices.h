@@ -26,6 +26,22 @@ namespace cvert { inline namespace CVERT_ISA
     return reduceMax(lessThan(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
+  /*! Smallest magnitude of the dot product of two normals, in floats, from which underflow cannot change its sign. It
+   *  has the fourth power of an edge's length. */
+  CVERT_CONSTANT float minNormalDot = 1e-30f;
+
+  /*! Computes, in double precision, if the normal of triangle (a,b,c) turned by more than 90 degrees. */
+  inline bool isTurned(const float (*original)[3], const float (*snapped)[3], size_t a, size_t b, size_t c)
+  {
+    const auto normal = [&](const float (*p)[3]) {
+      const auto edge = [&](size_t i) {
+        return Double3{ double(p[i][0])-p[a][0], double(p[i][1])-p[a][1], double(p[i][2])-p[a][2] };
+      };
+      return cross(edge(b),edge(c));
+    };
+    return dot(normal(original),normal(snapped)) < 0.0;
+  }
+
   /*! Counts quads, of four in a row, with a triangle (00,10,01) or (10,11,01) whose normal turned by more than 90
    *  degrees. width: vertices per row. */
   inline uint32_t countFlippedOfFour(const float (*original)[3], const float (*snapped)[3], size_t width)
@@ -40,7 +56,17 @@ namespace cvert { inline namespace CVERT_ISA
         : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
     };
     const Normals n(original,width), m(snapped,width);
-    const uint32_t flipped = lessThanBits(dot(n.lower,m.lower),0.0f) | lessThanBits(dot(n.upper,m.upper),0.0f);
+    const auto turnedBits = [&](Float4 normalDot, size_t a, size_t b, size_t c) {
+      uint32_t turned = lessThanBits(normalDot,0.0f);
+      const Float4 size = abs(normalDot);
+      const uint32_t isSignValid = lessThanBits(minNormalDot,size) & lessThanBits(size,infinity);
+      for (uint32_t i=0; isSignValid != 15 && i<4; i++)
+        if (!((isSignValid >> i) & 1))
+          turned = (turned & ~(1u << i)) | uint32_t(isTurned(original+i,snapped+i,a,b,c)) << i;
+      return turned;
+    };
+    const uint32_t flipped = turnedBits(dot(n.lower,m.lower),0,1,width)
+      | turnedBits(dot(n.upper,m.upper),1,width+1,width);
     return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // population count
   }
 }}
