@@ -256,11 +256,28 @@ TEST(CodecLibrary, ReportsErrors)
     writer.add(moving.surface);
     writer.commit();
   }
-  FileBytes two(bytesOf(folder/"two"));
+  const std::string ofTwo = bytesOf(folder/"two");
+  FileBytes two(ofTwo);
   two.record(1).surface = two.record(0).surface;
   two.fitChecksums();
   writeBytes(folder/"two", two.bytes);
   EXPECT_EQ(codeOf([&] { cvert::File file(folder/"two"); }), ErrorCode::DAMAGED);
+  const auto codeWithBlocks = [&](size_t i, uint64_t blocks, uint64_t blockBytes) {
+    FileBytes other(ofTwo);
+    other.record(i).blocks = blocks;
+    other.record(i).blockBytes = blockBytes;
+    other.fitChecksums();
+    writeBytes(folder/"two", other.bytes);
+    return codeOf([&] { cvert::File file(folder/"two"); });
+  };
+  const cvert::FileGeometry first = two.record(0), second = two.record(1);
+  EXPECT_EQ(codeWithBlocks(1, second.blocks, second.blockBytes), ErrorCode::NONE);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, second.blockBytes), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, 16), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, 0, first.blocks + 1), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, 0), ErrorCode::NONE) << "without blocks";
+  EXPECT_EQ(codeWithBlocks(0, first.blocks, second.blocks - first.blocks), ErrorCode::NONE);
+  EXPECT_EQ(codeWithBlocks(0, first.blocks, second.blocks - first.blocks + 1), ErrorCode::DAMAGED);
 
   // blocks
   std::vector<uint64_t> block = sheet.blocks[0];
