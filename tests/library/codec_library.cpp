@@ -294,6 +294,38 @@ TEST(CodecLibrary, ReportsErrors)
     << "the surface is a tree";
 }
 
+// Trees of scenes have no part for it: its empty box has no center.
+TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
+{
+  Folder folder;
+  Sheet sheet(1); // four blocks, which one node contains
+  const auto statisticsWith = [&](cvert::FileForm form) {
+    cvert::FileSurface empty;
+    empty.record = sheet.surface.record;
+    empty.record.form = form;
+    if (form == cvert::FILE_TREE) empty.tree.resize(sizeof(cvert::FileNode));
+    for (int k = 0; k < 3; k++) {
+      empty.record.lower[k] = INFINITY;
+      empty.record.upper[k] = -INFINITY;
+    }
+    cvert::FileWriter writer(folder/"two");
+    writer.add(sheet.surface);
+    writer.add(empty);
+    writer.commit();
+    Device device;
+    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"two").c_str());
+    EXPECT_TRUE(file) << device.message;
+    Scene scene(device);
+    for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(file, i));
+    rtcCommitScene(scene);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({5.3f, 20.2f, 10}, {0, 0, -1}))));
+    rtcReleaseCompressedFile(file);
+    EXPECT_EQ(device.errors, 0u) << device.message;
+    return statisticsOf(scene);
+  };
+  EXPECT_EQ(statisticsWith(cvert::FILE_TREE).topLevelBytes, statisticsWith(cvert::FILE_LIST).topLevelBytes);
+}
+
 // The block is valid, and builders of trees need its box.
 TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
 {
