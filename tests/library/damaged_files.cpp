@@ -251,6 +251,26 @@ TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother)
   rtcReleaseCompressedFile(opened);
 }
 
+TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow)
+{
+  FileBytes file(sound);
+  file.record(0).counts[14] = 5; // numMeshQuads
+  file.record(0).counts[15] = 9; // numIrregularQuads
+  file.fitChecksums();
+  writeBytes(path, file.bytes);
+  Device verbose("verbose=1");
+  RTCGeometry geometry = rtcLoadCompressedGeometry(verbose, path.c_str());
+  ASSERT_NE(geometry, nullptr) << verbose.message;
+  testing::internal::CaptureStderr();
+  {
+    Scene scene(verbose);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+  }
+  const std::string output = testing::internal::GetCapturedStderr();
+  EXPECT_NE(output.find("0 of 5 quads are in grids, 5 are stored"), std::string::npos) << output;
+}
+
 TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
 {
   using embree::cbvh::BlockHeader;
