@@ -74,10 +74,13 @@ struct TimeInMotion
   float fraction;
 };
 
-/*! Requires isPresent(motion,time). Rounds as Embree does. */
+/*! Requires isPresent(motion,time). Rounds as Embree does. If time-begin and end-begin overflow, returns the end of the
+ *  last segment. */
 CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 {
-  float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
+  float last = float(motion.numSteps-1u);
+  float steps = (time-motion.begin)/(motion.end-motion.begin)*last;
+  if (!(steps < last)) steps = last; // steps is NaN after an overflow
   TimeInMotion at;
   at.segment = uint32_t(steps);
   if (at.segment > motion.numSteps-2u) at.segment = motion.numSteps-2u;
