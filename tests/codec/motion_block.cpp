@@ -123,6 +123,29 @@ TEST(MotionBlock, RawStepsStoreFloats)
     }
 }
 
+TEST(MotionBlock, ReservedBitsOfLaterStepsAreUnsupported)
+{
+  Random random(seed + 4);
+  auto encoder = std::make_unique<MotionEncoder>();
+  MovingSheet sheet(random, 6, 5, SheetMotion::turn, 1, 3);
+  sheet.steps[2][7][0] = NAN; // a raw step
+  EncodedMotion encoded(*encoder, sheet);
+  ASSERT_FALSE(isRaw(stepOf(encoded.block(), 1)->info));
+  ASSERT_TRUE(isRaw(stepOf(encoded.block(), 2)->info));
+  ASSERT_EQ(validateVert(encoded.block(), encoded.size).message(), "");
+  for (uint32_t s : {1, 2}) {
+    VertStep* const step = (VertStep*)stepOf(encoded.block(), s);
+    const auto expectUnsupported = [&](uint32_t& word, uint32_t bit) {
+      word ^= 1u << bit;
+      EXPECT_EQ(validateVert(encoded.block(), encoded.size).code, ErrorCode::UNSUPPORTED) << "step " << s;
+      word ^= 1u << bit;
+    };
+    expectUnsupported(step->rotation, 23);
+    for (uint32_t i : {4, 5})
+      for (uint32_t bit : {14, 15, 30, 31}) expectUnsupported(step->corners[i], bit);
+  }
+}
+
 // Bytes of the later steps per 16 x 16 quads.
 double bytesOfLaterSteps(MotionEncoder& encoder, const MovingSheet& sheet) {
   const EncodedMotion encoded(encoder, sheet);

@@ -433,6 +433,26 @@ TEST(VertBlock, EncoderWritesAnnotatedBlock)
   expectAnnotatedBytes(block, encoded.size, "block_example.md");
 }
 
+TEST(VertBlock, ReservedBitsAreUnsupported)
+{
+  Random random(seed + 6);
+  auto encoder = std::make_unique<VertEncoder>();
+  for (double roughness : {0.0, 3.0}) {
+    const Sheet sheet(random, 5, 3, roughness);
+    sheet.fill(*encoder);
+    Encoded encoded(*encoder, withEdges(5, 3));
+    ASSERT_EQ(validateVert(encoded.bytes, encoded.size).message(), "");
+    const auto expectUnsupported = [&](size_t offset, uint32_t bit) {
+      encoded.bytes[offset + bit/8] ^= uint8_t(1u << bit % 8);
+      EXPECT_EQ(validateVert(encoded.bytes, encoded.size).code, ErrorCode::UNSUPPORTED) << offset << ", bit " << bit;
+      encoded.bytes[offset + bit/8] ^= uint8_t(1u << bit % 8);
+    };
+    for (size_t corner = 8; corner < 12; corner++) expectUnsupported(vertCornersOffset + 2*corner, 14);
+    for (size_t edge = 2; edge < 4; edge++)
+      for (uint32_t bit = 12; bit < 16; bit++) expectUnsupported(vertHeaderBytes + 2*edge, bit);
+  }
+}
+
 TEST(VertCell, AllVerticesExceptForCornersHaveFields)
 {
   std::vector<int> seen(cellFields, 0);

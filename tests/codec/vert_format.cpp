@@ -258,6 +258,12 @@ TEST(VertFormat, MotionMatchesPage)
   EXPECT_EQ(timeInMotion(motion, 0.75f).segment, 3u);
   EXPECT_EQ(timeInMotion(motion, 0.75f).fraction, 1.0f);
   EXPECT_EQ(timeInMotion(motion, 0.4375f).fraction, 0.5f);
+  // differences of times overflow
+  motion = {-3e38f, 3e38f, 5, 0};
+  EXPECT_EQ(timeInMotion(motion, 3e38f).segment, 3u);
+  EXPECT_EQ(timeInMotion(motion, 3e38f).fraction, 1.0f);
+  EXPECT_EQ(timeInMotion(motion, 0.5f).segment, 0u);
+  EXPECT_EQ(timeInMotion(motion, 0.5f).fraction, 0.0f);
 }
 
 TEST(VertFormat, NumbersMatchPage)

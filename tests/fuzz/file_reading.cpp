@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fuzz target of the codec: arbitrary bytes as a file, with corrected checksums so that later checks run. Errors name
-// the file. Valid blocks decode, even if the file does not verify. A file that verifies has as many blocks as its
-// records state.
+// the file. The blocks of its geometries do not overlap. Valid blocks decode, even if the file does not verify. A
+// file that verifies has as many blocks as its records state.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -12,8 +12,10 @@
 #include "kernels/cvert/file/tree_reader.h"
 #include "kernels/cvert/file/writer.h"
 
+#include <algorithm>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <vector>
 
 namespace cbvh::test {
 namespace {
@@ -72,8 +74,8 @@ void seal(std::string& file)
 
 // --- seeds -----------------------------------------------------------------------------------
 
-// quads: per side of its only block
-std::string fileOf(uint32_t quads, uint32_t numSteps)
+// quads: per side of a geometry's only block
+std::string fileOf(uint32_t quads, uint32_t numSteps, size_t numGeometries = 1)
 {
   const VertPlacement place(packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads));
   std::vector<uint64_t> memory(MotionEncoder::maxBytes(numSteps)/8 + 1);
@@ -114,7 +116,7 @@ std::string fileOf(uint32_t quads, uint32_t numSteps)
   REQUIRE(mkdtemp(path));
   const std::string name = std::string(path) + "/seed.cbvh";
   FileWriter writer(name);
-  writer.add(surface);
+  for (size_t i = 0; i < numGeometries; i++) writer.add(surface);
   writer.commit();
   FILE* const file = std::fopen(name.c_str(), "rb");
   std::string content(1 << 20, 0);
@@ -140,6 +142,17 @@ std::string withTree(std::string file)
   record.treeBytes = sizeof(node);
   std::memcpy(&file[record.tree], &node, sizeof(node)); // the rest of its page is unused
   std::memcpy(&file[header.directory], &record, sizeof(record));
+  return file;
+}
+
+// Both geometries have the same blocks, which is an error.
+std::string withOverlap(std::string file)
+{
+  const FileHeader header = at<FileHeader>(file, 0);
+  const uint64_t second = header.directory + sizeof(FileGeometry);
+  FileGeometry record = at<FileGeometry>(file, second);
+  record.blocks = at<FileGeometry>(file, header.directory).blocks;
+  std::memcpy(&file[second], &record, sizeof(record));
   return file;
 }
 
@@ -172,11 +185,23 @@ uint64_t decodeBlocks(const File& file, size_t i)
   return valid;
 }
 
+void requireDisjointBlocks(const File& file)
+{
+  std::vector<std::pair<uint64_t, uint64_t>> ranges; // begin, end
+  for (size_t i = 0; i < file.size(); i++) {
+    const FileGeometry& record = file.geometry(i);
+    if (record.blockBytes) ranges.emplace_back(record.blocks, record.blocks + record.blockBytes);
+  }
+  std::sort(ranges.begin(), ranges.end());
+  for (size_t i = 1; i < ranges.size(); i++) REQUIRE(ranges[i - 1].second <= ranges[i].first);
+}
+
 void read(const std::string& bytes)
 {
   const MemoryFile memory(bytes);
   try {
     const File file(memory.path);
+    requireDisjointBlocks(file);
     bool isVerified = true;
     try { file.verify(); }
     catch (const Error& error) {
@@ -202,6 +227,9 @@ void writeSeeds(const std::string& folder)
       writeSeed(folder + "/" + std::to_string(n++), file);
       if (numSteps == 1) writeSeed(folder + "/" + std::to_string(n++), withTree(file));
     }
+  const std::string two = fileOf(5, 1, 2);
+  writeSeed(folder + "/" + std::to_string(n++), two);
+  writeSeed(folder + "/" + std::to_string(n++), withOverlap(two));
 }
 
 } // namespace cbvh::test

@@ -256,11 +256,28 @@ TEST(CodecLibrary, ReportsErrors)
     writer.add(moving.surface);
     writer.commit();
   }
-  FileBytes two(bytesOf(folder/"two"));
+  const std::string ofTwo = bytesOf(folder/"two");
+  FileBytes two(ofTwo);
   two.record(1).surface = two.record(0).surface;
   two.fitChecksums();
   writeBytes(folder/"two", two.bytes);
   EXPECT_EQ(codeOf([&] { cvert::File file(folder/"two"); }), ErrorCode::DAMAGED);
+  const auto codeWithBlocks = [&](size_t i, uint64_t blocks, uint64_t blockBytes) {
+    FileBytes other(ofTwo);
+    other.record(i).blocks = blocks;
+    other.record(i).blockBytes = blockBytes;
+    other.fitChecksums();
+    writeBytes(folder/"two", other.bytes);
+    return codeOf([&] { cvert::File file(folder/"two"); });
+  };
+  const cvert::FileGeometry first = two.record(0), second = two.record(1);
+  EXPECT_EQ(codeWithBlocks(1, second.blocks, second.blockBytes), ErrorCode::NONE);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, second.blockBytes), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, 16), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, 0, first.blocks + 1), ErrorCode::DAMAGED);
+  EXPECT_EQ(codeWithBlocks(1, first.blocks, 0), ErrorCode::NONE) << "without blocks";
+  EXPECT_EQ(codeWithBlocks(0, first.blocks, second.blocks - first.blocks), ErrorCode::NONE);
+  EXPECT_EQ(codeWithBlocks(0, first.blocks, second.blocks - first.blocks + 1), ErrorCode::DAMAGED);
 
   // blocks
   std::vector<uint64_t> block = sheet.blocks[0];
@@ -275,6 +292,38 @@ TEST(CodecLibrary, ReportsErrors)
   cvert::FileSurface hasTree;
   EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT)
     << "the surface is a tree";
+}
+
+// Trees of scenes have no part for it: its empty box has no center.
+TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
+{
+  Folder folder;
+  Sheet sheet(1); // four blocks, which one node contains
+  const auto statisticsWith = [&](cvert::FileForm form) {
+    cvert::FileSurface empty;
+    empty.record = sheet.surface.record;
+    empty.record.form = form;
+    if (form == cvert::FILE_TREE) empty.tree.resize(sizeof(cvert::FileNode));
+    for (int k = 0; k < 3; k++) {
+      empty.record.lower[k] = INFINITY;
+      empty.record.upper[k] = -INFINITY;
+    }
+    cvert::FileWriter writer(folder/"two");
+    writer.add(sheet.surface);
+    writer.add(empty);
+    writer.commit();
+    Device device;
+    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"two").c_str());
+    EXPECT_TRUE(file) << device.message;
+    Scene scene(device);
+    for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(file, i));
+    rtcCommitScene(scene);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({5.3f, 20.2f, 10}, {0, 0, -1}))));
+    rtcReleaseCompressedFile(file);
+    EXPECT_EQ(device.errors, 0u) << device.message;
+    return statisticsOf(scene);
+  };
+  EXPECT_EQ(statisticsWith(cvert::FILE_TREE).topLevelBytes, statisticsWith(cvert::FILE_LIST).topLevelBytes);
 }
 
 // The block is valid, and builders of trees need its box.

@@ -223,6 +223,26 @@ TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue)
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=x", "cbvh_max_error", "x");
 }
 
+// Embree's lexer reads other numbers from these texts: it cuts integers to 32 bits and ends tokens within the text.
+TEST(Settings, ValuesInDeviceStringAreReadCompletely)
+{
+  for (const std::string level : {"4294967298", "18446744073709551618", "2x", "0x2", "2 3", "2 -", "auto2", "\"2\""})
+    expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=" + level, "cbvh_frame_level", level);
+  for (const std::string error : {"0x10", "5e", "1 2", "1 .5", "0.5;", "1=2", "inf", "1e99", "-2147483649"})
+    for (const std::string last : {"", ",threads=1", " threads=1"})
+      expectNoDevice("cbvh_max_error=" + error + last, "cbvh_max_error", error);
+  expectNoDevice("cbvh_quads=1 0", "cbvh_quads", "1 0");
+  expectNoDevice("cbvh_quads=4294967297", "cbvh_quads", "4294967297");
+  for (const std::string error : {"2147483648", "4294967296", "0.5", ".5", "5.", "5e-1", "+5E+1", " 5", "5 "})
+    for (const std::string last : {"", ",verbose=0", " verbose=0"}) {
+      RTCDevice device = rtcNewDevice(("cbvh_max_error=" + error + last).c_str());
+      EXPECT_NE(device, nullptr) << error << last;
+      if (device) rtcReleaseDevice(device);
+    }
+  EXPECT_EQ(representation("cbvh_frame_level= 2 subdiv_accel=cbvh.leaf"), "leaf 2");
+  EXPECT_EQ(representation("cbvh_frame_level= auto\tcbvh_max_error=4294967296\nsubdiv_accel=cbvh.leaf"), "leaf 0");
+}
+
 // Embree ignores other unknown keys silently.
 TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
 {

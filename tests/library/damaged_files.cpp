@@ -220,6 +220,57 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
     }
 }
 
+// The owner of a block is found by its address, which must not lead to a geometry without blocks.
+TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother)
+{
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
+  for (int i = 0; i < 2; i++) { ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message; }
+  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  rtcReleaseGeometry(geometry);
+  FileBytes file(bytesOf(path));
+  cvert::FileGeometry& empty = file.record(0);
+  const cvert::FileGeometry& other = file.record(1);
+  empty.form = cvert::FILE_LIST;
+  empty.treeBytes = empty.blockBytes = empty.numBlocks = 0;
+  empty.blocks = other.blocks;
+  std::fill_n(file.bytes.begin() + ptrdiff_t(other.blocks), other.blockBytes, '\0');
+  file.fitChecksums();
+  writeBytes(path, file.bytes);
+  Random random(9);
+  RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+  ASSERT_NE(opened, nullptr) << device.message;
+  Scene scene(device);
+  for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(opened, i));
+  rtcCommitScene(scene);
+  device.errors = 0;
+  for (const RTCRayHit& hit : closestHits(scene, raysAt(random, 400), QueryForm::Single)) ASSERT_FALSE(isHit(hit));
+  EXPECT_EQ(device.errors, 1u);
+  EXPECT_NE(device.message.find("is damaged"), std::string::npos) << device.message;
+  rtcReleaseCompressedFile(opened);
+}
+
+TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow)
+{
+  FileBytes file(sound);
+  file.record(0).counts[14] = 5; // numMeshQuads
+  file.record(0).counts[15] = 9; // numIrregularQuads
+  file.fitChecksums();
+  writeBytes(path, file.bytes);
+  Device verbose("verbose=1");
+  RTCGeometry geometry = rtcLoadCompressedGeometry(verbose, path.c_str());
+  ASSERT_NE(geometry, nullptr) << verbose.message;
+  testing::internal::CaptureStderr();
+  {
+    Scene scene(verbose);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+  }
+  const std::string output = testing::internal::GetCapturedStderr();
+  EXPECT_NE(output.find("0 of 5 quads are in grids, 5 are stored"), std::string::npos) << output;
+}
+
 TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
 {
   using embree::cbvh::BlockHeader;

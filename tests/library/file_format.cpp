@@ -255,6 +255,7 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
   ASSERT_EQ(reader.u32(24), all.size());
   std::set<uint32_t> surfaces;
   std::set<uint32_t> forms;
+  std::vector<std::pair<uint64_t, uint64_t>> ranges; // of blocks: begin, end
   bool hasMeshBlocks = false, hasMovingMeshBlocks = false;
   for (size_t i = 0; i < all.size(); i++) {
     SCOPED_TRACE(all[i].name);
@@ -268,6 +269,8 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
     const auto found = reader.blocksOf(record);
     EXPECT_EQ(found.size(), reader.u64(record + 96));
     EXPECT_LE(blocks + blockBytes + 64, bytes.size());
+    for (const auto& [begin, end] : ranges) EXPECT_TRUE(blocks >= end || blocks + blockBytes <= begin);
+    ranges.emplace_back(blocks, blocks + blockBytes);
     size_t sum = 0, triangles = 0;
     for (const auto& block : found) {
       const uint64_t at = blocks + block.first;

@@ -12,6 +12,7 @@
 #include "../base/kinds.h"
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <locale>
@@ -140,6 +141,33 @@ namespace embree
     return "";
   }
 
+  /*! Reads and returns the next character if it is one of these, otherwise returns 0. */
+  static char readAnyOf (TokenStream& stream, const char* characters)
+  {
+    for (; *characters; characters++)
+      if (stream.trySymbol(std::string(1,*characters))) return *characters;
+    return 0;
+  }
+
+  /*! Reads the text of a value: up to a comma, or up to blanks before something else than a number. Embree's tokens
+   *  would be values that differ from the text: 0 for "0x10", 1 for "1 2", and 2 for 2^32+2. */
+  static std::string readValue (TokenStream& stream)
+  {
+    const char* const blanks = " \t\r\n", * const numberBegins = "0123456789+-.";
+    std::string others; // all characters that neither separate settings nor begin numbers; 255 may be equal to EOF
+    for (int c=1; c<255; c++)
+      if (c != ',' && !std::strchr(blanks,c) && !std::strchr(numberBegins,c)) others += char(c);
+    std::string value, before;
+    for (;;)
+    {
+      char c = readAnyOf(stream,numberBegins);
+      if (!c && before.empty()) c = readAnyOf(stream,others.c_str());
+      if (c) { value += before + c; before.clear(); }
+      else if (const char blank = readAnyOf(stream,blanks)) { if (!value.empty()) before += blank; }
+      else return value;
+    }
+  }
+
   bool CompressionSettings::parse (const Token& token, TokenStream& stream)
   {
     std::string key;
@@ -152,7 +180,7 @@ namespace embree
       return true;
     }
     std::string value;
-    if (stream.trySymbol("=")) value = valueText(stream.get());
+    if (stream.trySymbol("=")) value = readValue(stream);
     const std::string prefix = "cbvh_";
     if (key.compare(0,prefix.size(),prefix) != 0 || !isKey(key.substr(prefix.size())))
       throwUnknownKey("the device string",key,prefix);

@@ -308,10 +308,12 @@ namespace embree
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
                     << MAX_RING_FACE_VALENCE << " faces per vertex ("
                     << MAX_RING_FACE_VALENCE-1 << " at a border)" << std::endl;
+        // a file may contain any counts
+        const size_t irregularQuads = min(statistics.sums.numIrregularQuads,statistics.sums.numMeshQuads);
         if (statistics.sums.numMeshQuads)
-          std::cerr << geometry << statistics.sums.numMeshQuads - statistics.sums.numIrregularQuads << " of "
+          std::cerr << geometry << statistics.sums.numMeshQuads - irregularQuads << " of "
                     << statistics.sums.numMeshQuads << " quads are in grids, "
-                    << statistics.sums.numIrregularQuads << " are stored in mesh blocks, or in grids of fewer than "
+                    << irregularQuads << " are stored in mesh blocks, or in grids of fewer than "
                     << minGridSide << " quads along a side" << std::endl;
         if (statistics.quadsForHoles)
           std::cerr << geometry << statistics.quadsForHoles

@@ -31,7 +31,9 @@ namespace embree
 
         bool contains (const void* block) const { return size_t((const char*)block-begin) < bytes; }
       };
-      typedef std::vector<AddressRange> List; //!< sorted by address
+      /*! Sorted by address, without empty ranges. Ranges do not overlap, because the blocks of a file's geometries do
+       *  not: an address is either in the last range that begins at or before it, or in none. */
+      typedef std::vector<AddressRange> List;
 
     public:
       /*! Changes nothing if it throws std::bad_alloc. */
@@ -121,10 +123,12 @@ namespace embree
       static std::shared_ptr<const List> listOf (const MappedBlocks* added)
       {
         const std::shared_ptr<List> next = std::make_shared<List>();
-        if (added) next->push_back(rangeOf(added));
-        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) next->push_back(rangeOf(blocks));
+        auto insert = [&](const MappedBlocks* blocks) { if (blocks->bytes) next->push_back(rangeOf(blocks)); };
+        if (added) insert(added);
+        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) insert(blocks);
         std::sort(next->begin(),next->end(),
           [](const AddressRange& a, const AddressRange& b) { return a.begin < b.begin; });
+        for (size_t i=1; i<next->size(); i++) assert(!(*next)[i-1].contains((*next)[i].begin));
         return next;
       }
 

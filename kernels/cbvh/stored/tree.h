@@ -96,7 +96,7 @@ namespace embree
 
       void cut (BVH4::NodeRef root, const BBox3fa& bounds) {
         const size_t leaves = visit(root,bounds);
-        if (leaves <= maxPartBlocks) parts.push_back(PrimRef(bounds,size_t(root)));
+        if (leaves && leaves <= maxPartBlocks) parts.push_back(PrimRef(bounds,size_t(root)));
       }
 
     private:

@@ -149,14 +149,16 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (float x : step.origin)
         if (!std::isfinite(x)) return Reason::damaged("the origin of a time step is not finite");
+      if (versionOfCorners(step.corners[4],step.corners[5]) != 0
+          || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
+        return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
+      if (step.rotation & 1u << 23)
+        return Reason::unsupported("the reserved bit of a time step's rotation is set: expected 0");
       const VertStepLayout at = vertStepLayout(header.region,step.info);
       end = at.rawBytes;
       if (isRaw(step.info))
         return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(step.word,step.corners)) return reason;
-      if (versionOfCorners(step.corners[4],step.corners[5]) != 0
-          || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
-        return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
       if (!hasValidSlopes(step.info))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
       if (isRaw(header.info) && ((step.rotation & 65535u) || isFirstCellRotated(step.info)))
@@ -238,6 +240,7 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
       if (!hasEdges(header.info)) return Reason();
       const VertEdges edges = edgesOf(&header);
+      if (edges.high & 0xF000F000u) return Reason::unsupported("reserved bits of its edges are set: expected 0");
       if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges)))
         return Reason::damaged("its patch starts outside of its face");
       for (int s=0; s<4; s++)

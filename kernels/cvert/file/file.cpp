@@ -3,6 +3,7 @@
 
 #include "file.h"
 #include "tree_reader.h"
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -10,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <unordered_set>
+#include <vector>
 
 namespace cvert
 {
@@ -101,7 +103,21 @@ namespace cvert
       if (const Reason reason = validateRecord(g)) fail(i,"",reason);
       if (!numbers.insert(g.surface).second) failDamaged(i,"its surface number is also another geometry's");
     }
+    requireDisjointBlocks();
     return Reason();
+  }
+
+  void File::requireDisjointBlocks () const
+  {
+    std::vector<size_t> order;
+    for (size_t i=0; i<size(); i++)
+      if (geometry(i).blockBytes) order.push_back(i);
+    std::sort(order.begin(),order.end(),[&](size_t a, size_t b) { return geometry(a).blocks < geometry(b).blocks; });
+    for (size_t k=1; k<order.size(); k++) {
+      const FileGeometry& before = geometry(order[k-1]);
+      if (geometry(order[k]).blocks-before.blocks < before.blockBytes)
+        failDamaged(order[k],"its blocks overlap the blocks of geometry " + std::to_string(order[k-1]));
+    }
   }
 
   void File::fail (size_t i, const std::string& where, const Reason& reason) const

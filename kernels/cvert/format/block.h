@@ -90,8 +90,8 @@ CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >
 
 /*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the edge's rate minus 1;
  *  the rate is at most the patch's quads along the edge. The upper 4 bits of the first two are the face parameters u
- *  and v at the patch's corner, in halves. Follows the header if the patch does not begin at its face's corner, or if
- *  the block touches an edge of a lower rate. */
+ *  and v at the patch's corner, in halves; in the last two they are 0, reserved. Follows the header if the patch does
+ *  not begin at its face's corner, or if the block touches an edge of a lower rate. */
 struct VertEdges
 {
   uint32_t low, high; //!< edges v = 0 and u = 1, edges v = 1 and u = 0

@@ -36,7 +36,7 @@ struct VertStep
   uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
   uint32_t rotation;      //!< bits 0..15: groups whose residuals are rotated; 16..18: see rotationShift; 19..22:
-                          //!< shift of endBounds; 24..31: last entry of the matrix
+                          //!< shift of endBounds; 23: reserved, 0; 24..31: last entry of the matrix
   uint32_t matrix[2];     //!< other entries of the matrix, a byte each, row by row
   uint32_t bounds;        //!< at this step, as in VertHeader, in the shear of the segment that begins
   uint32_t endBounds;     //!< at this step in the shear of the segment that ends
@@ -74,10 +74,13 @@ struct TimeInMotion
   float fraction;
 };
 
-/*! Requires isPresent(motion,time). Rounds as Embree does. */
+/*! Requires isPresent(motion,time). Rounds as Embree does. If time-begin and end-begin overflow, returns the end of the
+ *  last segment. */
 CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 {
-  float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
+  float last = float(motion.numSteps-1u);
+  float steps = (time-motion.begin)/(motion.end-motion.begin)*last;
+  if (!(steps < last)) steps = last; // steps is NaN after an overflow
   TimeInMotion at;
   at.segment = uint32_t(steps);
   if (at.segment > motion.numSteps-2u) at.segment = motion.numSteps-2u;
