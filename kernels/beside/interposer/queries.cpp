@@ -104,8 +104,8 @@ void occluded(const RTCOccludedFunctionNArguments* args)
   call(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
-/* Replace the application's functions for user geometry in a query's arguments. They call these functions for all
- * geometries except substitutes. */
+/* Replace the application's functions for user geometry in a query's arguments, and call them except for
+ * substitutes. */
 void intersectAny(const RTCIntersectFunctionNArguments* args)
 {
   if (asSubstituteData(args->geometryUserPtr)) intersect(args);

@@ -39,7 +39,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::AppearanceChange);
 }
 
-/* False if Embree rejects the buffer, and keeps the previous one, or if it is no input of a build. */
+/* Repeats Embree's checks of slot, format and alignment. Also false if the buffer is no input of a build. */
 bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t stride)
 {

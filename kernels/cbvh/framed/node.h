@@ -14,9 +14,9 @@
  * Each child has one z interval, from a codebook of 8.
  *
  * A plane is lower + T * extent in floats, where T is a multiple of 1/256. Per level, rounding moves it by at most
- * 2^-23, an ulp of numbers from 1 to 2, whether multiplications and additions are fused or not. 8 levels move it by at
- * most 2^-20. The encoder keeps its decoded planes this distance, containmentSlack, away from the geometry. So decoded
- * bounds contain the geometry on every ISA.
+ * 2^-23, whether multiplications and additions are fused or not. 8 levels move it by at most 2^-20. The encoder keeps
+ * its decoded planes this distance, containmentSlack, away from the geometry. So decoded bounds contain the geometry on
+ * every ISA.
  *
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */
@@ -66,8 +66,7 @@ CVERT_FUNCTION float innerPosition (uint32_t code) {
 }
 
 /*! z intervals in parent extents. The first always contains the child. The others minimize the mean logarithm of a
- *  child's height, over blocks of real and analytic displacements. Per level, children are 8% lower than with intervals
- *  of halves and quarters. In units of 1/32:
+ *  child's height, over blocks of real and analytic displacements. In units of 1/32:
  *
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Trees above static blocks, from Embree's binned SAH builder for BVH4. A surface has a tree over its blocks, a scene a
- * tree over parts of its surfaces: subtrees of a few blocks. This is fast to build, and as good as a tree over all
- * blocks. Moving blocks have building/motion_tree.h instead. */
+/* Trees above static blocks, from Embree's binned SAH builder for BVH4. A large surface has a tree over its blocks, a
+ * scene a tree over parts of its surfaces: subtrees of a few blocks. This is fast to build, and as good as a tree over
+ * all blocks. Moving blocks have building/motion_tree.h instead. */
 
 #include "../embree/scene.h"
 
@@ -16,8 +16,8 @@ namespace embree
     /*! Maximum number of blocks in a part. */
     static const size_t maxPartBlocks = 16;
 
-    /*! Counts the nodes of a tree whose leaves have Embree's barrier bit, and clears these bits. Without them, nodes of
-     *  leaves that are subtrees would be counted too. */
+    /*! Counts the nodes above leaves with Embree's barrier bit, and clears the bits. A leaf can be a subtree, whose
+     *  nodes are not counted. */
     inline size_t countNodes (BVH4::NodeRef& ref)
     {
       if (ref.isBarrier()) { ref.clearBarrier(); return 0; }
@@ -57,8 +57,8 @@ namespace embree
       return root;
     }
 
-    /*! Copies the largest nodes, which most rays traverse, next to each other, so that they share cache lines and
-     *  pages. Returns the new root. The old nodes, at most half a percent, stay allocated but unused. */
+    /*! Copies the largest nodes, which most rays traverse, next to each other. Returns the new root. The old nodes, at
+     *  most half a percent, stay allocated. Nodes of parts, which surfaces own, are not changed. */
     inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
     {
       const size_t count = numNodes/200;

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cVERT or mesh block at the time of a ray: the same floats that traversal computes, without SIMD. */
+/* Vertices of a cVERT or mesh block at a time, without SIMD. Traversal computes the same floats if
+ * TraversalTime::isFused fits the device. */
 
 #include "../base/codec_names.h"
 #include "../../cvert/decoder/decoded_block.h"

@@ -10,10 +10,10 @@
  *    x----o----o----o----x    that can be reached from A or B by crossing edges. The number of a
  *          face B             claim is the index of a half-edge.
  *
- * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps its vertices in
- * place, so before displacement the edge is straight and equal in all faces. All share it and its two corners.
- * Neither do the half-edges of two faces of opposite winding have an opposite: Embree treats them as borders. They are
- * shared if both faces evaluate the same border. */
+ * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps the edge's vertices
+ * in place, so before displacement it is straight and equal in all faces. All share it and its two corners.
+ * If two faces have opposite winding, the half-edges of their edge have no opposite either: Embree treats them as
+ * borders. They are shared if both faces evaluate the same border. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -154,13 +154,13 @@ namespace embree
       /*! True if two participating half-edges without an opposite, at the same edge, are borders of equal shape. */
       bool haveSameShape (const HalfEdge* a, const HalfEdge* b) const
       {
-        if (a->getStartVertexIndex() != b->getStartVertexIndex()) return true; // a third face does not participate
+        if (a->getStartVertexIndex() != b->getStartVertexIndex()) return true; // third face left out
         if (mesh->displFunc || at(a).isTracedByGrid || at(b).isTracedByGrid) return false;
         return BorderEnd(a,false) == BorderEnd(b,false) && BorderEnd(a,true) == BorderEnd(b,true);
       }
 
-      /*! Determines, with the vertices of a border, its shape at one end: the next vertex of the border, and the
-       *  creases at this end in the faces that are reached by crossing edges. */
+      /*! The next vertex at one end of a border, and the creases there in the faces that are reached by crossing edges.
+       *  With the border's vertices, they determine its shape. */
       struct BorderEnd
       {
         unsigned nextVertex;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs, for core/dicing.cpp, from displaced sample points: at least one per four
- * quads along each side, but at most 65. */
+/* Measures how many quads a patch needs, from displaced sample points. Each side has at least one point per four quads,
+ * but at most 65. */
 
 #include "dicing_view.h"
 

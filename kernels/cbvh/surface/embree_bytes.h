@@ -4,8 +4,7 @@
 #pragma once
 
 /* Estimated bytes of Embree's own acceleration structures and of blocks, without the application's buffers. They decide
- * whether compression saves memory, and appear in the line about a commit. The constants fit the measurements in
- * docs/performance.md. */
+ * whether compression saves memory, and appear in the line about a commit. Measurements are in docs/performance.md. */
 
 #include "../embree/scene.h"
 #include <cstddef>
@@ -24,8 +23,8 @@ namespace embree
     return (numTimeSteps == 1 && !isWide ? 46 : 68)*((quadsX+1)/2)*((quadsY+1)/2);
   }
 
-  /*! A grid as cVERT, with its share of the tree: 1 to 2 bytes per quad less than the measurements. A block needs 8
-   *  more bytes if its quads have numbers (primIDs) that follow a pattern. */
+  /*! A grid as cVERT, with its share of the tree; less than the measurements. A block needs 8 more bytes if its quads
+   *  have numbers (primIDs) that follow a pattern. */
   inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
@@ -59,7 +58,7 @@ namespace embree
   }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
-  /*! GRID's grids of a moving cage. bytesOfStep: for one time step. */
+  /*! GRID's grids of a cage. bytesOfStep: for one time step. */
   inline size_t bytesOfMovingGrids (size_t bytesOfStep, unsigned numTimeSteps) {
     return numTimeSteps == 1 ? bytesOfStep : size_t(double(bytesOfStep)*(0.85*numTimeSteps-0.4));
   }

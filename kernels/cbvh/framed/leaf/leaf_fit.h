@@ -47,10 +47,10 @@ namespace embree
       /*! True if the patch should be stored as cVERT. */
       bool isPoor() const { return poorQuads > maxPoorQuadFraction*quads || poorEdges > maxPoorEdgeFraction*edges; }
 
-      /*! Returns true if the part of a patch that was added so far suffices to store the patch as cVERT: if poor quads
-       *  exceed their fraction of a sample, or poor edges their fraction of all edges. The first quarter of the quads,
-       *  but at least minSampleQuads, is the sample; it must be distributed over the patch. patchQuads: quads of the
-       *  patch. maxEdges: upper bound of the patch's edges. */
+      /*! True if the patch should be stored as cVERT after only some of it was added: poor quads exceed their fraction
+       *  of a sample, or poor edges their fraction of all edges. The first quarter of the quads, but at least
+       *  minSampleQuads, is the sample; it must be distributed over the patch. patchQuads: quads of the patch.
+       *  maxEdges: upper bound of the patch's edges. */
       bool isClearlyPoor(size_t patchQuads, size_t maxEdges) const
       {
         const size_t sampleSize = std::min(patchQuads,std::max(patchQuads/4,minSampleQuads));
