@@ -14,6 +14,7 @@ if there are, and with 77 (skipped) outside of a git repository.
 
 import argparse
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -37,7 +38,9 @@ def entries_of(name):
 
 
 def files():
-    """Paths of the files to check, relative to the root. None outside of a git repository."""
+    """Paths of the files to check, relative to the root. None without git or outside of a git repository."""
+    if not shutil.which("git"):
+        return None
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
@@ -181,7 +184,7 @@ def main():
     options = parser.parse_args()
     paths = files()
     if paths is None:
-        print("skipped: this is not a git repository")
+        print("skipped: no git, or no git repository")
         return SKIPPED
     if options.check == "spelling":
         found = misspellings(paths)

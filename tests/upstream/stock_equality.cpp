@@ -39,6 +39,16 @@ constexpr uint32_t maxUlps = SAME_LOWEST_ISA ? 4 : 64;
 // of u and v, and of normals relative to their length
 constexpr double maxDifference = SAME_LOWEST_ISA ? 1e-5 : 1e-3;
 
+// Upstream's intersectors of curves iterate. GCC, Debian's compiler, also fuses multiplications and additions of
+// different statements there, clang only of the same: 5 ulps of distance and differences of 9.6e-5 were measured.
+#if defined(__clang__)
+constexpr uint32_t maxUlpsOfCurves = std::max(maxUlps, 16u);
+constexpr double maxDifferenceOfCurves = std::max(maxDifference, 3e-4);
+#else
+constexpr uint32_t maxUlpsOfCurves = maxUlps;
+constexpr double maxDifferenceOfCurves = maxDifference;
+#endif
+
 struct Vec { float x, y, z; };
 struct Vec4 { float x, y, z, w; };
 
@@ -471,8 +481,9 @@ TEST_P(StockEquality, FindsTheSameHits)
     }
     EXPECT_EQ(different, 0u);
     EXPECT_GT(hits, numRays/20) << "too many rays miss the scene";
-    EXPECT_LE(worst, maxUlps);
-    EXPECT_LE(worstDifference, maxDifference);
+    const bool areCurves = name.rfind("curves", 0) == 0;
+    EXPECT_LE(worst, areCurves ? maxUlpsOfCurves : maxUlps);
+    EXPECT_LE(worstDifference, areCurves ? maxDifferenceOfCurves : maxDifference);
   }
 }
 
