@@ -31,8 +31,8 @@ namespace embree
       /*! True if building uses all threads and much temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! Builds the blocks. Call it once. progress(primitives) receives the number of primitives completed since the
-       *  last call, or 0, on several threads. It may throw to cancel the build. */
+      /*! Builds the blocks. Call it once. Threads call progress(primitives) concurrently, with the number of primitives
+       *  completed since their last call, or 0. It may throw to cancel the build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
@@ -43,7 +43,7 @@ namespace embree
     /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
-    /*! Bytes of a small piece of memory, less than the blocks of most batches of a mesh need (irregular_blocks.h). */
+    /*! Chunk size of Embree's allocator for meshes below 16 MiB. */
     static const size_t smallPieceBytes = 2048;
 
     /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
@@ -73,8 +73,8 @@ namespace embree
         const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece, and loses the
-        // remainder if the next piece does not fit. Most pieces of a mesh up to 16 MiB get their own allocation.
+        // Embree's allocator allocates chunks of a twentieth of this, at most 2 MiB. BlockMemory allocates pieces above
+        // an eighth of a chunk separately: with small chunks, most pieces of a mesh.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
@@ -182,8 +182,8 @@ namespace embree
           });
       }
 
-      /*! Builds the tree over the blocks and divides it into parts for the trees of scenes. Moving blocks have no tree,
-       *  nor so few blocks that each can be a part. */
+      /*! Builds the tree over the blocks and divides it into parts for the trees of scenes. Moving blocks have no tree.
+       *  If there are few blocks, each is a part, without a tree. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimRefs = prims.size();
@@ -221,7 +221,7 @@ namespace embree
       const CompressionPlan& plan;
       Source source;
       const std::unique_ptr<IrregularBlocks> irregular;
-      const double progressPerPrimitive; //!< progress: the geometry's primitives per primitive of the source
+      const double progressPerPrimitive; //!< primitives of the geometry per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
     };

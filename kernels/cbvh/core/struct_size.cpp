@@ -23,7 +23,7 @@ namespace embree
     void checkStructSize (const StructInfo& info, const void* data)
     {
       const size_t size = structSizeOf(data);
-      const bool isAligned = size % alignof(size_t) == 0; // as every sizeof, because of structSize
+      const bool isAligned = size % alignof(size_t) == 0; // as sizeof of every struct with a size_t
       if (size < info.firstSize || size > maxStructSize || !isAligned)
         throwInvalidArgument(std::string(info.name) + ": invalid structSize " + std::to_string(size)
                         + ": expected sizeof(struct " + info.name + "), which is " + std::to_string(info.size)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A block is checked before its first use (base/block_validity.h), so that
- * unused blocks are never read from disk. Decoders and traversal access only a valid block and fileReadPadding bytes
+/* Blocks of a geometry in a mapped file. A static block is checked before its first use (base/block_validity.h), so
+ * that unused ones are never read from disk. Decoders and traversal access only a valid block and fileReadPadding bytes
  * after it, and its hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
@@ -45,7 +45,7 @@ namespace embree
           || check(offset,format);
       }
 
-      /*! Replaces the record's surface number in a valid block. Leaves other numbers. Thread-safe. */
+      /*! Sets the surface number of a valid block that has the record's. Thread-safe. */
       void setSurfaceNumber (size_t offset, BlockFormat format) const;
 
       const char* first () const { return begin; }

@@ -32,10 +32,10 @@ CVERT_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) |
 CVERT_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
 CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
-/*! Coordinate, 0 or 1, of a child or of a corner of a box on an axis. */
+/*! Coordinate on an axis, 0 or 1, of a child or of a box's corner. */
 CVERT_FUNCTION int childCoordinate (int child, int axis) { return (child >> axis) & 1; }
 
-/*! Number of nodes in the first n levels, which is also the index of the first word of level n. */
+/*! Number of nodes in the first n levels, which is also the index of the first node of level n. */
 CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

@@ -24,8 +24,8 @@ namespace embree
       template<typename Real>
       struct VertRayBase
       {
-        /* A single ray's arrays have an unused fourth element, so that one vector store writes them: a vector load
-         * waits for several smaller stores. */
+        /* A single ray's arrays have an unused fourth element, so that one vector store writes them. After several
+         * smaller stores, a vector load would wait. */
         static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
         alignas(Real) alignas(16) Real org[stride], dir[stride], rcp[stride]; //!< rcp: directionReciprocal of dir
         Real largestComponent; //!< largest absolute component of dir

@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  // vminq_f64 and vmaxq_f64 would return NaN
+  // vminq_f64 and vmaxq_f64 return NaN if any operand is
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 
@@ -58,7 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
     return { half(0),half(1) };
   }
 
-  /*! NEON's conversion to 32 bits would saturate, and return 0 for NaN. */
+  // vcvtq_s64_f64 saturates, and returns 0 for NaN
   inline Int4 toInt(Double4 a)
   {
     auto half = [&](int i) {

@@ -87,8 +87,8 @@
 
 CVERT_BEGIN
 
-/* Instead of min, max and abs, which C++ and GLSL define differently for NaN and equal operands. std::fmin and
- * std::fmax can be function calls. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
+/* Instead of min and max, which C++ and GLSL define differently for NaN and equal operands. std::fmin and std::fmax can
+ * be function calls. choose() is Embree's select(), by a name that hides none of Embree's overloads. */
 CVERT_REAL CVERT_FUNCTION Real minimum (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real maximum (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
