@@ -4,8 +4,8 @@
 #pragma once
 
 /* The line that the commit of a scene prints at verbosity 1, or if EMBREE_CBVH contains "verbose": what is compressed,
- * what is not and why, and its memory. Static and moving surfaces have a line each; without such a line, the other line
- * also lists uncompressed geometries of that sort. For users who cannot change the program. */
+ * what is not and why, and its memory. Static and moving surfaces have a line each. If only one is printed, it lists
+ * the uncompressed geometries of both. For users who cannot change the program. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"

@@ -19,7 +19,7 @@ namespace embree
     /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
     static const uint32_t flatSceneVersion = 6;
 
-    /*! Unused children are emptyReference, with infinite bounds. */
+    /*! Unused children are emptyReference, with all bounds +infinity. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
@@ -54,16 +54,15 @@ namespace embree
 
     enum FlatGeometryType { FLAT_NONE, FLAT_SURFACE, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
 
-    /*! Its type determines which members are valid. */
     struct FlatGeometry
     {
-      FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
-      const char* typeName;      //!< follows "is" in messages, for example "a triangle mesh"; null for FLAT_NONE
+      FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID; the other members are 0
+      const char* typeName;      //!< follows "is" in messages, for example "a triangle mesh"
       uint32_t mask;
       uint32_t numTimeSteps;
       bool isMotionSupported;    //!< static, compressed, or an instance without quaternions
       bool hasFilter;
-      uint64_t buildID;          //!< SurfaceBlocks::buildID: identifies blocks that scenes share; 0 for other types
+      uint64_t buildID;          //!< SurfaceBlocks::buildID, which identifies blocks that scenes share, or 0
       /* for FLAT_TRIANGLES: buffers of the geometry at the first time step; strides in bytes */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
@@ -102,8 +101,8 @@ namespace embree
 extern "C" {
 
 /* Flattens a committed scene. The caller must release the result with rtcReleaseFlatScene. If isMotionSupported is
- * false for a geometry, the trees are empty, and the caller should report that geometry. version: flatSceneVersion of
- * the caller. Applications use rtcore_vulkan.h.
+ * false for an enabled geometry, the trees are empty, and the caller should report that geometry. version:
+ * flatSceneVersion of the caller.
  *
  * Returns NULL and reports an error if the scene is NULL or not committed, if the version differs, if the scene has a
  * damaged block of a file or a moving mesh block, or if it has more nodes, blocks or leaves than references support. */

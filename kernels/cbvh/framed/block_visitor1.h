@@ -28,7 +28,7 @@ namespace embree
         const LocalRay& local;
         const NodeRay& nodeRay;
         BlockTiles& tiles;
-        float sBest;  //!< end of the walk as s: not before the nearest hit that shortens it; at most 1 + slackOfS
+        float sBest;  //!< s at which the walk ends: not before the hit that shortened it; at most 1 + slackOfS
         bool isHit;   //!< a hit in this block was accepted
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,

@@ -68,7 +68,7 @@ namespace embree
        *     bool isSorted
        *       True if blocks with frames must be visited in order of distance, so that each hit that a filter function
        *       accepts is nearer than the one before.
-       *     bool hasFrame (leaf)
+       *     static bool hasFrame (leaf)
        *       True for a block with a frame. Other leaves cannot be hit before their bounds.
        *     void setEntryT (t)
        *       Sets the entry distance of the next block with a frame.
@@ -82,7 +82,7 @@ namespace embree
         typedef StackItemT<NodeRef> Entry;
 
         TopLevelRay tray(ray);
-        Entry stack[1+3*BVH4::maxDepth+3]; // + 3: Embree pushes children with wider stores
+        Entry stack[1+3*BVH4::maxDepth+3]; // + 3: as in Embree
         Entry* top = stack+1;
         stack[0].ptr = root;
         stack[0].dist = neg_inf;

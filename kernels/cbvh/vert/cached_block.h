@@ -30,7 +30,7 @@ namespace embree
           return likely(entry.block == block) ? &entry : nullptr;
         }
 
-        /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
+        /*! Returns false if the ray misses the block's bounds between tNear and tFar; true for raw blocks. Requires
          *  isValid(). */
         __forceinline bool mayIntersect (const VertRayBase<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->info)) || intersectsBounds<float>(ray,block,tNear,tFar);

@@ -114,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Rounds towards zero. Returns INT32_MIN for NaN and numbers out of range. */
   inline Int4 truncateToInt(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
-  /*! Rounds to nearest, halves to even. Magnitudes must be less than 2^31. */
+  /*! Rounds to nearest, halves to even. Returns any integer for NaN and numbers out of range. */
   inline Int4 roundToInt(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int roundToInt(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four vertices at a time, for encoders. */
+/* Four vertices at a time, and bounds of vertices. */
 
 #include "lanes.h"
 #include "world.h"
@@ -21,7 +21,7 @@ namespace cvert { inline namespace CVERT_ISA
     explicit Vertices4(const float (*p)[3])
       : Vertices4(deinterleaved(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8))) {}
 
-    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+    /*! See deinterleave. */
     static Vertices4 deinterleaved(Float4 a, Float4 b, Float4 c)
     {
       Float4 x, y, z;
