@@ -167,19 +167,24 @@ namespace embree
     MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin,
                                 const FileGeometry& record, uint32_t number, const std::string& name)
       : device(device), file(file), begin(begin), record(record), bytes(size_t(record.blockBytes)),
-        surfaceNumber(number), name(name), validBlocks(nullptr), isReported(false)
+        surfaceNumber(number), name(name), validBlocks(nullptr), usedUnits(nullptr), isReported(false)
     {
       static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"calloc initializes the bits");
       /* calloc maps pages of zeros, which need memory only where rays reach blocks */
-      validBlocks = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
-      if (!validBlocks) throw std::bad_alloc();
-      try { MappedBlockRegistry::add(this); }
-      catch (...) { free(validBlocks); throw; }
+      const size_t words = bytes/(16*64)+1;
+      validBlocks = (std::atomic<uint64_t>*)calloc(words,sizeof(uint64_t));
+      if (record.surface != surfaceNumber) usedUnits = (uint64_t*)calloc(words,sizeof(uint64_t));
+      try {
+        if (!validBlocks || (record.surface != surfaceNumber && !usedUnits)) throw std::bad_alloc();
+        MappedBlockRegistry::add(this);
+      }
+      catch (...) { free(usedUnits); free(validBlocks); throw; }
     }
 
     MappedBlocks::~MappedBlocks ()
     {
       MappedBlockRegistry::remove(this);
+      free(usedUnits);
       free(validBlocks);
     }
 
@@ -205,17 +210,33 @@ namespace embree
       return surface == record.surface || surface == surfaceNumber;
     }
 
-    void MappedBlocks::setSurfaceNumber (size_t offset, BlockFormat format) const
+    void MappedBlocks::mark (size_t offset) const {
+      validBlocks[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
+    }
+
+    Reason MappedBlocks::accept (size_t offset, BlockFormat format) const
     {
-      /* several threads may check a block; one of them writes before any of them marks the block */
-      uint32_t expected = record.surface;
-      if (record.surface != surfaceNumber)
+      if (usedUnits)
+      {
+        Lock<MutexSys> lock(mutex);
+        if (isMarked(offset)) return Reason(); // by another thread
+        const size_t end = (offset+bytesOfBlock(begin+offset,format)+15)/16;
+        for (size_t unit=offset/16; unit<end; unit++)
+          if ((usedUnits[unit/64] >> (unit % 64)) & 1) return Reason::damaged("it overlaps another block");
+        for (size_t unit=offset/16; unit<end; unit++) usedUnits[unit/64] |= uint64_t(1) << (unit % 64);
+        uint32_t expected = record.surface; // unless the file has surfaceNumber already
         surfaceOf(offset,format).compareExchange(expected,surfaceNumber,std::memory_order_acq_rel);
+        mark(offset);
+      }
+      else mark(offset);
+      return Reason();
     }
 
     bool MappedBlocks::check (size_t offset, BlockFormat format) const
     {
-      if (const Reason reason = validate(offset,format)) {
+      Reason reason = validate(offset,format);
+      if (!reason) reason = accept(offset,format);
+      if (reason) {
         if (!isReported.exchange(true)) {
           const std::string message = name + ": the block at " + std::to_string(offset)
             + " is damaged, possibly others too: " + reason.message() + "; rays miss it";
@@ -223,8 +244,6 @@ namespace embree
         }
         return false;
       }
-      setSurfaceNumber(offset,format);
-      validBlocks[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }
   }

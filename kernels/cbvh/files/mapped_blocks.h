@@ -41,12 +41,13 @@ namespace embree
       bool isValid (const void* block, BlockFormat format) const
       {
         const size_t offset = size_t((const char*)block-begin);
-        return likely(((validBlocks[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0)
-          || check(offset,format);
+        return likely(isMarked(offset)) || check(offset,format);
       }
 
-      /*! Sets the surface number of a valid block that has the record's. Thread-safe. */
-      void setSurfaceNumber (size_t offset, BlockFormat format) const;
+      /*! Marks a block as valid that validate() accepted, after writing the surface number if it differs. Returns an
+       *  error if the number would be written into a file where blocks overlap: it could change a block that was
+       *  validated before. Thread-safe. */
+      cvert::Reason accept (size_t offset, BlockFormat format) const;
 
       const char* first () const { return begin; }
 
@@ -57,6 +58,10 @@ namespace embree
       bool check (size_t offset, BlockFormat format) const;
       AtomicRef<uint32_t> surfaceOf (size_t offset, BlockFormat format) const;
       bool isOwnSurface (size_t offset, BlockFormat format) const;
+      bool isMarked (size_t offset) const {
+        return ((validBlocks[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0;
+      }
+      void mark (size_t offset) const;
 
       Device* device;
       std::shared_ptr<const cvert::File> file;
@@ -66,6 +71,8 @@ namespace embree
       const uint32_t surfaceNumber;
       const std::string name;
       std::atomic<uint64_t>* validBlocks; //!< one bit per 16 bytes, the alignment of blocks
+      uint64_t* usedUnits;      //!< one bit per 16 bytes of accepted blocks; null if no number is written
+      mutable MutexSys mutex;   //!< protects usedUnits
       mutable std::atomic<bool> isReported;
       MappedBlocks* next, * previous; //!< list of all MappedBlocks
     };

@@ -246,9 +246,10 @@ namespace embree
         return out;
       }
 
+      /*! root: not empty. */
       bool isMovingTree (BVH4::NodeRef root)
       {
-        if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
+        if (!root.isLeaf()) return !root.isAABBNode();
         size_t type;
         root.leaf(type);
         return isMovingBlock(type);
@@ -274,6 +275,7 @@ namespace embree
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
           const BVH4* const bvh = (const BVH4*)data;
+          if (bvh->root == BVH4::emptyNode) continue;
           (isMovingTree(bvh->root) ? flat->movingTree : flat->staticTree) = TreeCopy(*flat,scene->surfaceIDs).copy(bvh);
         }
 
