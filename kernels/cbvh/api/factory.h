@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Creates the acceleration structures for a scene's compressed surfaces, which building/builder.cpp fills. Called by
- * Embree's Device and Scene (kernels/upstream/patches). */
+/* Creates the acceleration structures for the compressed surfaces of a scene. Called by Embree
+ * (kernels/upstream/patches). */
 
 #include "../embree/scene.h"
 #include "../stored/report.h"
@@ -17,8 +17,8 @@ namespace embree
    *  Ignores case. */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
-  /*! True if a scene needs new accelerators: it got its first compressed static or moving surface, or lost its last, or
-   *  it got its first uncompressed moving subdivision surface next to compressed ones. */
+  /*! True if a scene needs new accelerators: it got its first compressed static or moving surface, or lost its last but
+   *  kept uncompressed ones, or it got its first uncompressed moving subdivision surface next to compressed ones. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! True if an enabled, uncompressed subdivision surface of the scene has motion blur. */

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* std::atomic_ref of C++20, for tables of plain integers that several threads fill. Objects must be aligned to their
- * size. While a thread accesses an object through an AtomicRef, no other thread may access it directly. */
+/* std::atomic_ref of C++20. Objects must be aligned to their size. While a thread accesses an object through an
+ * AtomicRef, no other thread may access it directly. */
 
 #include <atomic>
 

@@ -20,12 +20,12 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called before any allocation. bytes: estimated size of a large surface, whose small pieces come from
-       *  Embree's allocator, or 0 for a small one, whose pieces are all allocated separately, because the allocator's
-       *  chunks would stay mostly empty. */
+      /*! Must not be called after an allocation. bytes: estimated size of a large surface, whose small pieces come from
+       *  Embree's allocator. 0, or no call, for a small surface: all pieces are allocated separately, because chunks
+       *  would stay mostly empty. */
       void reserve (size_t bytes);
 
-      /*! Embree's allocator, for builders that require it. Null after reserve(0). */
+      /*! Embree's allocator, for builders that require it. Null without reserve() or after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
       /*! Allocates with the alignment of blocks. Thread-safe. Throws if out of memory, or if the application's memory

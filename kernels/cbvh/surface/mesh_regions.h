@@ -10,12 +10,11 @@
 
 namespace embree
 {
-  /*! Divides a mesh such that it needs few bytes; a moving mesh is stored entirely in grids or entirely in mesh blocks.
-   *  Never null. Throws std::bad_alloc. */
+  /*! A moving mesh is stored entirely in grids or entirely in mesh blocks. Never null. Throws std::bad_alloc. */
   std::shared_ptr<const QuadRegions> divideMesh (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> divideMesh (const TriangleMesh* mesh);
 
-  /*! Returns the result of divideMesh() from the geometry's commit, or calls it again if a build has released that.
+  /*! Returns the result of divideMesh() from the geometry's commit, or calls it again if a build has released it.
    *  Never null. Throws rtcore_error if memory ran out in the commit, otherwise as divideMesh(). Mesh: QuadMesh or
    *  TriangleMesh. */
   template<typename Mesh>

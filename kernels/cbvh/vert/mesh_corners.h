@@ -16,8 +16,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Vertices of a group in the sheared space in which the ray is the z axis (cvert/rule/rule.h). capacity: of
-       *  vertices. */
+      /*! Vertices of a group in the sheared space in which the ray is the z axis (cvert/rule/rule.h). capacity: at
+       *  least the number of vertices. */
       template<int capacity>
       class ShearedMesh
       {

@@ -4,8 +4,7 @@
 #pragma once
 
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
- * time, for cached_mesh.h. cvert/decoder/decoded_mesh.h is the scalar reference. Reads less than vertReadPadding bytes
- * after the block.
+ * time. cvert/decoder/decoded_mesh.h is the scalar reference. Reads less than vertReadPadding bytes after the block.
  *
  * docs/formats/mesh_block.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
 
@@ -259,8 +258,8 @@ namespace embree
         __forceinline bool isSheared () const { return (block->info & 0x03FF0000u) != 0; }
 
         /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
-         *  on the others. If a ratio or its inverse exceeds 2^maxRatio, no axis is sheared, and boxes contain all
-         *  coordinates up to maxCoordinate on the axis that the block shears. */
+         *  on the others. If a ratio or its inverse exceeds 2^maxRatio, no axis is sheared, and boxes are unlimited
+         *  on the axis that the block shears. */
         __forceinline void setAxes (MeshBlockEntry& out) const
         {
           out.shearedAxis = 3;
@@ -475,7 +474,7 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of group g. ownMask: mask of its own. otherIndices: indices in the block of
+        /*! Decodes the vertices of group g. ownMask: vertices that belong to it. otherIndices: indices in the block of
          *  other groups' vertices. */
         __forceinline void decodeVertices (const MeshBlockEntry& entry, uint32_t g, uint32_t vertexCount,
                                            uint32_t ownMask, BitReader otherIndices, MeshVertices& out) const

@@ -4,8 +4,7 @@
 #pragma once
 
 /* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends: first the data that groups
- * share, then the vertices of one group at a time, for moving_block.h. cvert/decoder/decoded_block.h is the
- * scalar reference. */
+ * share, then the vertices of one group at a time. cvert/decoder/decoded_block.h is the scalar reference. */
 
 #include "boxes.h"
 #include "decoder.h"

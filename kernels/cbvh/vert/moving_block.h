@@ -6,8 +6,8 @@
 /* CachedVertBlock for moving blocks, at a time between two steps. Interpolates between the ends of a segment, which are
  * decoded into the thread's cache if necessary.
  *
- * Vertices and planes are interpolated by the same operations, which round monotonically: a plane that bounds a vertex
- * at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
+ * Vertices and planes are interpolated by the same operations, which round monotonically: an unsheared plane that
+ * bounds a vertex at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
 
 #include "interpolation.h"
 #include "motion_decoder.h"

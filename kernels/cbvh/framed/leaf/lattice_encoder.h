@@ -197,7 +197,7 @@ namespace embree
     /*! Second step: raises all heights of the side together. Returns false if that moves the surface too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
-      /* limited, because the rest of the surface rises, too; separate leaves are then better */
+      /* limited, because the rest of the surface rises, too; beyond the limit, separate leaves are better */
       const int maxIterations = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int iteration=0; ; iteration++) {
