@@ -62,7 +62,8 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->info)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes the entry of a block in a segment, except for out.key, which must be set. */
+        /*! Decodes the entry of a block in a segment, except for out.key, which must be set. Omits groups that no ray
+         *  can hit in the segment. */
         void decode (uint32_t segment, VertSegmentEntry& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -181,7 +182,7 @@ namespace embree
         }
 
         /*! Sets boxes of a segment with a raw end, which has no margins, from vertices. Requires all other members.
-         *  Clears the lanes of groups that no ray can hit. */
+         *  Clears the lanes of groups that no ray can hit in the segment. */
         __noinline void boxesOfVertices (VertSegmentEntry& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)
