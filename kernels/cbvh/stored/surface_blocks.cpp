@@ -127,7 +127,7 @@ namespace embree
 
     void* BlockMemory::allocate (size_t bytes)
     {
-      if (bytes <= maxPooledBytes) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
+      if (allocator && bytes <= maxPooledBytes) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
       device->memoryMonitor(ssize_t(bytes),false);
       Piece piece = { nullptr,bytes };
       try {
