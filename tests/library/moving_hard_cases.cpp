@@ -6,6 +6,7 @@
 
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
+#include "support/saved.h"
 
 #include <gtest/gtest.h>
 
@@ -105,6 +106,43 @@ TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
         << "step " << bad << ", time " << ray.ray.time;
     }
     EXPECT_GT(countHits(scene, random), 100u);
+  }
+}
+
+// A group has no finite vertex at the first step. The second scene and the loaded geometry find the boxes of the steps
+// in the blocks.
+TEST(MovingHardCases, GroupWithoutFiniteVerticesAtOneStepIsHitAtOtherTimes)
+{
+  Random random(seed + 10);
+  Device device;
+  Diced diced;
+  for (unsigned i : {0u, 1u})
+    diced.add(17, 17, [&](unsigned x, unsigned y) { return Vec{float(x), float(y + 100*i), 0.01f*float((x + y)%5)}; });
+  diced.motion = [](const Vec& p, unsigned step) {
+    return step == 0 && p[0] >= 12 && p[1] < 50 ? Vec{NAN, NAN, NAN} : Vec{p[0], p[1], p[2] + 0.1f*step};
+  };
+  const RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_CVERT, 0, 4);
+  Scene first(device), second(device), ofFile(device);
+  for (RTCScene scene : {RTCScene(first), RTCScene(second)}) {
+    rtcAttachGeometry(scene, geometry);
+    rtcCommitScene(scene);
+  }
+  Folder folder;
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"moving").c_str())) << device.message;
+  const RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"moving").c_str());
+  ASSERT_NE(loaded, nullptr) << device.message;
+  rtcCommitGeometry(loaded);
+  rtcAttachGeometry(ofFile, loaded);
+  rtcCommitScene(ofFile);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseGeometry(loaded);
+  for (int i = 0; i < 2000; i++) {
+    RTCRayHit ray = makeRay({float(random.uniform(0.1, 15.9)), float(random.uniform(0.1, 15.9)), 5}, {0, 0, -1});
+    ray.ray.time = float(random.uniform(0.34, 1)); // after the first segment
+    SCOPED_TRACE(testing::Message() << "x " << ray.ray.org_x << ", y " << ray.ray.org_y << ", time " << ray.ray.time);
+    ASSERT_TRUE(isHit(intersect(first, ray)));
+    ASSERT_TRUE(isHit(intersect(second, ray)));
+    ASSERT_TRUE(isHit(intersect(ofFile, ray)));
   }
 }
 

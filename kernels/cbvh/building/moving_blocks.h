@@ -137,13 +137,17 @@ namespace embree
           }
         }
 
-        /*! Decodes both steps of every second segment and of the last one, with traversal's decoder. */
+        /*! Decodes both steps of every second segment and of the last one, with traversal's decoder where possible. */
         void decodeGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
           {
             const unsigned segment = min(s,segments-1);
             cbvh::MotionDecoder decoder(block);
+            if (decoder.isRaw(segment) || decoder.isRaw(segment+1)) {
+              for (unsigned e=0; e<2; e++) boxes[segment+e] = boundStep(block,segment+e);
+              continue;
+            }
             segmentEntry.key = { block,segment,0 };
             decoder.decode(segment,segmentEntry);
             Bounds bounds[2];
@@ -151,8 +155,7 @@ namespace embree
               decoder.vertices(segmentEntry,uint32_t(bsf(rest)),group);
               for (unsigned e=0; e<2; e++) bounds[e].extend(group.vertices[e]);
             }
-            for (unsigned e=0; e<2; e++)
-              boxes[segment+e] = decoder.isRaw(segment+e) ? boundRaw(block,segment+e) : bounds[e].box();
+            for (unsigned e=0; e<2; e++) boxes[segment+e] = bounds[e].box();
           }
         }
 
@@ -183,7 +186,9 @@ namespace embree
           }
         };
 
-        static cbvh::StepBox boundRaw (const cbvh::VertHeader* block, unsigned step)
+        /*! For segments with a raw end: traversal's decoder omits groups without a finite vertex at one of the ends,
+         *  but the box of the other end is also used in the next segment. */
+        static cbvh::StepBox boundStep (const cbvh::VertHeader* block, unsigned step)
         {
           cbvh::StepBox box;
           cbvh::DecodedBlock(block,step).bounds(box.lower,box.upper);
