@@ -16,9 +16,48 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <thread>
 
 namespace cbvh::test {
 namespace {
+
+// A cVERT block of floats: a sheet of quads at z = 0, and boxes that are larger by `margin`. A moving block has two
+// equal time steps.
+std::string rawBlock(const cvert::VertHeader& header, float x, float size, float margin)
+{
+  using namespace cvert;
+  const VertLayout layout = vertLayout(header.region, header.info);
+  const unsigned quads = vertQuadsX(header.region);
+  std::vector<float> vertices, boxes;
+  for (unsigned j = 0; j <= quads; j++)
+    for (unsigned i = 0; i <= quads; i++)
+      vertices.insert(vertices.end(), {x + size*float(i)/float(quads), size*float(j)/float(quads), 0});
+  for (float plane : {x - margin, -margin, -margin, x + size + margin, size + margin, margin})
+    boxes.insert(boxes.end(), layout.groups, plane);
+  std::string bytes;
+  const auto append = [&](const void* data, size_t count) { bytes.append((const char*)data, count); };
+  append(&header, sizeof(header));
+  const VertMotion motion = {0, 1, 2, layout.rawBytes};
+  if (isMoving(header.info)) append(&motion, sizeof(motion));
+  append(vertices.data(), vertices.size()*sizeof(float));
+  append(boxes.data(), boxes.size()*sizeof(float));
+  if (!isMoving(header.info)) return bytes;
+  const uint32_t offset = uint32_t(bytes.size() + sizeof(offset));
+  VertStep step = {};
+  step.info = rawInfo;
+  append(&offset, sizeof(offset));
+  append(&step, sizeof(step));
+  append(vertices.data(), vertices.size()*sizeof(float));
+  return bytes;
+}
+
+// Traces a ray in a new thread, which has no decoded blocks.
+RTCRayHit intersectUncached(RTCScene scene, const RTCRayHit& ray)
+{
+  RTCRayHit traced;
+  std::thread([&] { traced = intersect(scene, ray); }).join();
+  return traced;
+}
 
 class DamagedFiles : public testing::Test
 {
@@ -49,8 +88,53 @@ protected:
     device.errors = 0;
   }
 
+  // Writes a file with two blocks: a sheet over the unit square and, in its bytes at innerOffset, a quad at x = -11
+  // to -10. The quad's surface number is also the z of vertex 2 of the sheet: about 2 in the file, and almost 0 if the
+  // library replaces the number.
+  void writeBlockInAnotherOne(bool moves)
+  {
+    using namespace cvert;
+    FileBytes file(sound);
+    FileGeometry& record = file.record(0);
+    record.form = moves ? FILE_MOVING : FILE_LIST;
+    record.surface = firstFileNumber | 12345 | (moves ? movingSurface : 0);
+    record.numTimeSteps = moves ? 2 : 1;
+    record.begin = 0;
+    record.end = 1;
+    record.numBlocks = 2;
+    VertHeader header = {};
+    header.surface = record.surface;
+    header.info = rawInfo | (moves ? 1u << 31 : 0);
+    header.corners[4] = header.corners[5] = 1u << 15; // version 5
+    header.region = packRegion(16, 16, 0, 0);
+    header.patchQuads = packPatchQuads(16, 16);
+    std::string blocks = rawBlock(header, 0, 1, 20);
+    innerOffset = vertLayout(header.region, header.info).vertices + 16;
+    header.region = packRegion(1, 1, 0, 0);
+    header.patchQuads = packPatchQuads(1, 1);
+    header.origin[2] = 2/16.0f; // x of vertex 2; the two numbers before are y and z of vertex 1
+    const std::string inner = rawBlock(header, -11, 1, 0.1f);
+    blocks.replace(innerOffset, inner.size(), inner);
+    ASSERT_EQ(versionOfCorners(header.corners[4], header.corners[5]), vertFormatVersion);
+    ASSERT_LE(blocks.size(), record.blockBytes);
+    file.bytes.replace(record.blocks, blocks.size(), blocks);
+
+    const uint64_t type = moves ? FILE_MOVING_VERT : FILE_VERT;
+    const FileEntry entries[] = {{{-1, -1, -12}, {2, 2, 3}, type},
+                                 {{-11.5f, -0.5f, -0.5f}, {-9.5f, 1.5f, 0.5f}, innerOffset | type}};
+    const float lower[] = {-12, -1, -12}, upper[] = {2, 2, 3};
+    std::copy(lower, lower + 3, record.lower);
+    std::copy(upper, upper + 3, record.upper);
+    ASSERT_LE(sizeof(entries), record.treeBytes);
+    record.treeBytes = sizeof(entries);
+    std::memcpy(&file.bytes[record.tree], entries, sizeof(entries));
+    file.fitChecksums();
+    writeBytes(path, file.bytes);
+  }
+
   Folder folder;
   Device device;
+  size_t innerOffset = 0;
   const std::string path = folder/"surface.cbvh";
   std::string sound;
 };
@@ -249,6 +333,48 @@ TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother)
   EXPECT_EQ(device.errors, 1u);
   EXPECT_NE(device.message.find("is damaged"), std::string::npos) << device.message;
   rtcReleaseCompressedFile(opened);
+}
+
+// A surface number would be written into the inner block, and so into the outer one, which may be in use.
+TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther)
+{
+  ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(false));
+  RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
+  ASSERT_NE(owner, nullptr) << device.message;
+  const RTCRayHit rays[] = {makeRay({1.7f/16, 0.2f/16, 10}, {0, 0, -1}), makeRay({-10.75f, 0.25f, 10}, {0, 0, -1})};
+  for (unsigned first : {0u, 1u}) { // the outer block is reached first, or the inner one
+    SCOPED_TRACE(first);
+    Scene scene(device);
+    loadInto(scene);
+    if (HasFatalFailure()) break;
+    const RTCRayHit before = intersectUncached(scene, rays[first]);
+    ASSERT_TRUE(isHit(before));
+    EXPECT_EQ(before.ray.tfar < 9.5f, first == 0) << before.ray.tfar; // near vertex 2 of the sheet
+    EXPECT_EQ(device.errors, 0u) << device.message;
+    EXPECT_FALSE(isHit(intersectUncached(scene, rays[1 - first])));
+    EXPECT_EQ(device.errors, 1u);
+    const std::string block = "the block at " + std::to_string(first == 0 ? innerOffset : 0) + " is damaged";
+    EXPECT_NE(device.message.find(block), std::string::npos) << device.message;
+    EXPECT_NE(device.message.find("it overlaps another block"), std::string::npos) << device.message;
+    const RTCRayHit after = intersectUncached(scene, rays[first]);
+    EXPECT_EQ(after.hit.geomID, before.hit.geomID);
+    EXPECT_EQ(after.ray.tfar, before.ray.tfar);
+    EXPECT_EQ(device.errors, 1u);
+  }
+  rtcReleaseGeometry(owner);
+}
+
+// Moving blocks are checked when they are loaded.
+TEST_F(DamagedFiles, MovingBlocksThatOverlapAreRejected)
+{
+  ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(true));
+  RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
+  ASSERT_NE(owner, nullptr) << device.message;
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  const std::string why = "the block at " + std::to_string(innerOffset) + ": it overlaps another block";
+  EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
+  rtcReleaseGeometry(owner);
 }
 
 TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow)

@@ -4,6 +4,8 @@
 /* Compressed moving subdivision surfaces match the hits of Embree's motion blur if vertices are on the lattice, with
  * every query and on every ISA. */
 
+#include "kernels/cbvh/base/reference.h"
+#include "kernels/cbvh/flat/flat_scene.h"
 #include "support/filtered_geometry.h"
 #include "support/moving_surface.h"
 #include "support/query_forms.h"
@@ -315,6 +317,34 @@ TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
     EXPECT_EQ(intersect(scene, makeRay({4, 0, 5}, {0, 0, -1})).hit.geomID, added);
     EXPECT_EQ(isHit(intersect(scene, makeRay({7.2f, 0.2f, 5}, {0, 0, -1}))), hasTriangles);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
+// Such a surface has a tree without blocks.
+TEST_P(MovingSurfaces, SurfaceOfHolesHidesNoStaticOneInFlatScenes)
+{
+  using namespace embree::cbvh;
+  Device device(GetParam());
+  if (!device) GTEST_SKIP();
+  for (bool isMovingFirst : {false, true}) {
+    SCOPED_TRACE(isMovingFirst);
+    Scene scene(device);
+    for (bool moves : {isMovingFirst, !isMovingFirst}) {
+      Cage cage = quadCage();
+      if (moves) cage.holes = {0};
+      SurfaceSettings settings;
+      settings.compression = RTC_COMPRESSION_CVERT;
+      settings.timeSteps = moves ? 2 : 1;
+      addSurface(device, scene, cage, settings);
+    }
+    rtcCommitScene(scene);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({0.3f, 0.4f, 5}, {0, 0, -1}))));
+    const FlatScene* flat = rtcFlattenScene(scene, flatSceneVersion);
+    ASSERT_NE(flat, nullptr) << device.message;
+    EXPECT_NE(flat->staticTree.root, emptyReference);
+    EXPECT_EQ(flat->movingTree.root, emptyReference);
+    EXPECT_GT(flat->numBlocks, 0u);
+    rtcReleaseFlatScene(flat);
   }
 }
 
