@@ -16,6 +16,7 @@
 #include "border_lattices.h"
 #include "position_table.h"
 #include <algorithm>
+#include <functional>
 #include <tuple>
 
 namespace embree
@@ -40,7 +41,7 @@ namespace embree
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
-        if (!table.hasUnshared()) return;
+        if (!table.hasUnshared() && !mayHaveOpenEdges(gridsPerTask,progress)) return;
         const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
         for (const Edge& edge : open)
           if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end))
@@ -101,6 +102,30 @@ namespace embree
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
         return dot(p-a,d)/dot(d,d);
+      }
+
+      /*! Returns false if there are no open edges, without the memory of findOpenEdges(). Combines the hashes of all
+       *  border edges: two of the same edge cancel each other out. A vertex on an edge may be shared by two grids, so
+       *  that hasUnshared() is not sufficient. */
+      template<typename Progress>
+      bool mayHaveOpenEdges (size_t gridsPerTask, const Progress& progress) const
+      {
+        return reduceRanges(positions.size(),gridsPerTask,uint64_t(0),[&](const range<size_t>& r) {
+            uint64_t hashes = 0;
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              positions.forEachBorderEdge(i,[&](Entry a, Entry b) { hashes ^= hashOf(Edge{ max(a,b),min(a,b) }); });
+            progress();
+            return hashes;
+          },std::bit_xor<uint64_t>()) != 0;
+      }
+
+      /*! A bijective hash (based on: Sebastiano Vigna, "SplitMix64", 2015). */
+      static uint64_t hashOf (uint64_t edge)
+      {
+        edge += 0x9E3779B97F4A7C15ull;
+        edge = (edge ^ edge >> 30)*0xBF58476D1CE4E5B9ull;
+        edge = (edge ^ edge >> 27)*0x94D049BB133111EBull;
+        return edge ^ edge >> 31;
       }
 
       /*! Returns the open edges, each in both directions, sorted by their begin. */
