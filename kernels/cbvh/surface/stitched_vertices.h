@@ -90,11 +90,16 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! Order by position at the first time step: independent of threads, unlike the order of entries. */
+      /*! Order by the positions at all time steps: independent of threads, unlike the order of entries. Strict, and
+       *  weak for entries without NaN. */
       bool isBefore (Entry a, Entry b) const
       {
-        const cbvh::Double3 p = at(a), q = at(b);
-        return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
+        for (unsigned step=0; step<numSteps; step++) {
+          const cbvh::Double3 p = at(a,step), q = at(b,step);
+          if (std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z)) return true;
+          if (std::tie(q.x,q.y,q.z) < std::tie(p.x,p.y,p.z)) return false;
+        }
+        return false;
       }
 
       /*! Parameter of the edge's point that is nearest to p, at the first time step. */
@@ -176,7 +181,9 @@ namespace embree
             const bool isLast = next->end == edge.end;
             if (from == edge.begin && isLast) continue; // skips `edge` itself
             const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
-            if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
+            const bool isNearer = s < tNearest
+              || (nearest != Table::none && s == tNearest && isBefore(next->end,nearest));
+            if (isNearer && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
           }
           if (nearest == Table::none) { stitched.resize(before); return; }
           from = nearest;
