@@ -736,7 +736,7 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_ARGUMENT for an unknown format.
  * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block or stores no
- * triangles, or if it has more triangles than the 29-bit primitive indices of DGF can count. */
+ * triangles, or if it has more than 2^32 triangles, or more than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
     CbvhClusterFunction function, void* userPtr, struct CbvhClusterStatistics* statistics);
 

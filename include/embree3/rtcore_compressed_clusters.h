@@ -89,7 +89,8 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  *             NULL or structSize is wrong.
  *
  * Errors: as rtcForEachCompressedPart. RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize.
- * RTC_ERROR_INVALID_OPERATION if the surface has more triangles than the 29-bit primitive indices of DGF can count.
+ * RTC_ERROR_INVALID_OPERATION if the surface has more than 2^32 triangles, or more than the 29-bit primitive indices of
+ * DGF can count.
  * Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCCompressedClusterFormat format,
     RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterStatistics* statistics);

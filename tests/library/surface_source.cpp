@@ -6,6 +6,7 @@
 
 #include "sphere_source.h"
 #include "kernels/cbvh/building/surface_builder.h"
+#include "kernels/cbvh/stored/stored_clusters.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include <atomic>
 #include <gtest/gtest.h>
@@ -65,6 +66,44 @@ namespace embree
         }
         EXPECT_LE(farthest,0.87*spacing) << "half the diagonal of a lattice cell";
         EXPECT_GT(farthest,0.0);
+      }
+      rtcReleaseDevice(handle);
+    }
+
+    /*! statistics that begin with many triangles stand for a surface that has them */
+    TEST(SurfaceClusters,TooManyTrianglesAreErrors)
+    {
+      const RTCDevice handle = rtcNewDevice(nullptr);
+      {
+        SphereSource::Mesh mesh((Device*)handle,8);
+        const std::shared_ptr<const cbvh::SurfaceNumber> number = std::make_shared<cbvh::SurfaceNumber>();
+        const CompressionPlan plan(&mesh,*number);
+        SourceBuilder<SphereSource> builder(&mesh,number,plan);
+        const std::shared_ptr<const SurfaceBlocks> blocks = builder.build([](double) {});
+        const size_t triangles = 6*8*8*2;
+        for (const cbvh::ClusterFormat format :
+             { cbvh::ClusterFormat::FLOAT3,cbvh::ClusterFormat::COMPRESSED1,cbvh::ClusterFormat::DGF1 })
+        {
+          const uint64_t most = uint64_t(1) << (format == cbvh::ClusterFormat::DGF1 ? 29 : 32);
+          for (const bool areTooMany : { false,true })
+          {
+            cbvh::ClusterStatistics statistics;
+            statistics.numTriangles = size_t(most - triangles + areTooMany);
+            uint64_t next = statistics.numTriangles;
+            const auto enumerate = [&] {
+              cbvh::forEachCluster(*blocks,cbvh::TraversalTime{ 0.0f,false },format,
+                [&](const cbvh::StoredCluster& cluster) {
+                  EXPECT_EQ(cluster.firstTriangle,next);
+                  next += cluster.numTriangles;
+                  return true;
+                },statistics);
+            };
+            if (areTooMany) EXPECT_THROW(enumerate(),rtcore_error) << "format " << int(format);
+            else EXPECT_NO_THROW(enumerate()) << "format " << int(format);
+            EXPECT_LE(next,most);
+            EXPECT_EQ(next == most,!areTooMany);
+          }
+        }
       }
       rtcReleaseDevice(handle);
     }

@@ -142,6 +142,9 @@ namespace embree
         bool emit (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
             ClusterReason reason, size_t bytes)
         {
+          if (uint64_t(statistics.numTriangles) + triangles.numTriangles > uint64_t(1) << 32)
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has too many triangles for clusters: expected at "
+                           "most 2^32, because firstTriangle has 32 bits");
           StoredCluster cluster = StoredCluster();
           cluster.format = format;
           cluster.reason = reason;
