@@ -9,6 +9,7 @@
 #include "tracing/denormals.h"
 
 #include <algorithm>
+#include <functional>
 #include <sstream>
 
 namespace cbvh::test {
@@ -117,18 +118,22 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardOddRays, testing::ValuesIn(tracers()), tracerName);
 
-TEST_P(HardOddRays, NonFiniteRaysMiss)
+// Rays of a picture of a cube around the origin, from outside and from inside.
+std::vector<RTCRayHit> pictureOfCube(float scale)
 {
-  property(
-    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
-    "rays of a packet or a stream have the same hits as alone");
-  const SurfaceScene scene(device, cubeCage(), settings());
-  Random random(34);
-  std::vector<RTCRayHit> rays; // rays of a picture, from outside and from inside
+  std::vector<RTCRayHit> rays;
   for (unsigned i = 0; i < 64*64; i++) {
     const float x = 0.8f*float(i % 64)/64 - 0.4f, y = 0.8f*float(i/64)/64 - 0.4f;
-    rays.push_back(i % 1024 < 768 ? makeRay({0.1f, 0.2f, 4}, {x, y, -4}) : makeRay({0.1f, 0.2f, 0.1f}, {x, y, 1}));
+    rays.push_back(i % 1024 < 768 ? makeRay({scale*0.1f, scale*0.2f, scale*4}, {x, y, -4})
+                                  : makeRay({scale*0.1f, scale*0.2f, scale*0.1f}, {x, y, 1}));
   }
+  return rays;
+}
+
+// makeOdd: turns a ray into one that must miss.
+void expectOddRaysMiss(RTCScene scene, const std::vector<RTCRayHit>& rays, Random& random,
+                       const std::function<void(RTCRay&)>& makeOdd)
+{
   std::vector<RTCRayHit> mixed = rays;
   std::vector<bool> isOdd(rays.size());
   const double shares[] = {0, 0.1, 0.5, 1};
@@ -136,7 +141,7 @@ TEST_P(HardOddRays, NonFiniteRaysMiss)
   for (size_t i = 0; i < rays.size(); i++) {
     if (i % 16 == 0) share = shares[random.below(4)];
     isOdd[i] = random.chance(share);
-    if (isOdd[i]) spoil(mixed[i].ray, random);
+    if (isOdd[i]) makeOdd(mixed[i].ray);
   }
   for (const Call& call : allCalls()) {
     SCOPED_TRACE(testing::Message() << call);
@@ -151,6 +156,16 @@ TEST_P(HardOddRays, NonFiniteRaysMiss)
     }
     EXPECT_GT(hits, rays.size()/4);
   }
+}
+
+TEST_P(HardOddRays, NonFiniteRaysMiss)
+{
+  property(
+    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
+    "rays of a packet or a stream have the same hits as alone");
+  const SurfaceScene scene(device, cubeCage(), settings());
+  Random random(34);
+  expectOddRaysMiss(scene, pictureOfCube(1), random, [&](RTCRay& ray) { spoil(ray, random); });
 }
 
 // --- lengths -------------------------------------------------------------------------------------
@@ -190,6 +205,27 @@ TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
         EXPECT_EQ(others, 0u);
       }
     }
+}
+
+TEST_P(HardOddRays, DirectionsWithoutReciprocalMiss)
+{
+  property(
+    "rays whose direction has no component above 2^-129, so that its reciprocal is infinite, miss and remain "
+    "unchanged; other rays of a packet or a stream have the same hits as alone");
+  const float scale = 0x1p-20f; // distances of hits would be finite
+  Cage cage = cubeCage();
+  for (Vec& p : cage.positions) for (float& x : p) x *= scale;
+  SurfaceSettings s = settings();
+  s.displacement = nullptr;
+  const SurfaceScene scene(device, cage, s);
+  for (bool flush : {false, true}) {
+    Random random(36);
+    const auto shorten = [](RTCRay& ray) {
+      for (float* d : {&ray.dir_x, &ray.dir_y, &ray.dir_z}) *d = std::ldexp(*d, -131);
+    };
+    const DenormalMode denormals(flush);
+    expectOddRaysMiss(scene, pictureOfCube(scale), random, shorten);
+  }
 }
 
 } // namespace

@@ -20,7 +20,8 @@ namespace embree
 
       /*! A ray, and its nearest hit in blocks with frames. The largest component of the direction is scaled to 1, so
        *  that squares neither overflow nor underflow. t' is the distance along the scaled direction, t the distance
-       *  along the application's. */
+       *  along the application's. If no component exceeds 2^-128, `scale` is infinite and the ray misses all blocks, as
+       *  with cVERT. */
       struct RayState
       {
         Vec3fa org, dir;
