@@ -79,6 +79,7 @@ const Buffer* Input::find(RTCBufferType type, unsigned int slot) const
 CbvhVertices Input::vertices(std::vector<const float*>& steps) const
 {
   CbvhVertices result = CbvhVertices();
+  if (numTimeSteps == 0) throw Unsupported("it has no time steps");
   for (unsigned int i = 0; i < numTimeSteps; i++) {
     const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
     if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("it has no vertices");

@@ -32,7 +32,7 @@ struct Input
   RTCGeometryType type;
   RTCGeometry original;
   void* const* userData;         // location of the application's user data, for displacement
-  unsigned int numTimeSteps = 1;
+  unsigned int numTimeSteps = 1; // can be 0, as in Embree
   float startTime = 0, endTime = 1;
   float tessellationRate = 2;
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;

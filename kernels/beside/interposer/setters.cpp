@@ -205,7 +205,7 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
 {
   REAL(rtcSetGeometryTimeStepCount)(geometry, timeStepCount);
   changeInput(geometry, [&](Input& input) {
-    if (timeStepCount < 1 || timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
+    if (timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
     for (unsigned int i = timeStepCount; i < input.numTimeSteps; i++) input.buffers.erase({RTC_BUFFER_TYPE_VERTEX, i});
     input.numTimeSteps = timeStepCount;
   });
