@@ -214,6 +214,7 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
 RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime)
 {
   REAL(rtcSetGeometryTimeRange)(geometry, startTime, endTime);
+  if (startTime > endTime) return; // Embree keeps the previous range
   changeInput(geometry, [&](Input& input) { input.startTime = startTime; input.endTime = endTime; });
 }
 

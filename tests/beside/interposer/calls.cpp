@@ -460,10 +460,12 @@ void Program::edits()
 void Program::motion()
 {
   const host::Cube cube;
-  const RTCGeometry geometry = newCube();
+  const RTCGeometry geometry = newCube(11); // 726 quads, which interposer.sh finds in the log
   rtcSetGeometryTimeStepCount(geometry, 2);
   // Embree 4.3.3 itself shows subdivision surfaces outside of other time ranges, too
   rtcSetGeometryTimeRange(geometry, 0, 1);
+  rtcSetGeometryTimeRange(geometry, 1, 0); // rejected: the range stays 0 to 1
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT);
   for (unsigned i = 0; i < 2; i++)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12,
                                8);
