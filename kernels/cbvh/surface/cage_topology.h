@@ -19,7 +19,6 @@
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
 #include "patches.h"
-#include "plan.h"
 #include "shared_border.h"
 #include <algorithm>
 #include <map>
@@ -39,11 +38,10 @@ namespace embree
         unsigned rate;         //!< rate of the stored edge, the lowest of its faces
         uint32_t owner;        //!< index of the half-edge whose face owns the edge
         uint32_t cornerOwner;  //!< index of the half-edge, at the same vertex, whose face owns the corner
-        bool isTracedByGrid;   //!< GRID traces at least one patch of the half-edge's face
       };
 
-      CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
+      explicit CageTopology (const SubdivMesh* mesh)
+        : mesh(mesh), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
@@ -103,18 +101,15 @@ namespace embree
         const unsigned n = mesh->faceVertices[f];
         for (unsigned i=0; i<n; i++) dataOf(h+i) = HalfEdgeData();
         if (!hasSurface(mesh,f)) return;
-        bool isTracedByGrid = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            isTracedByGrid |= plan.storage(patch.rate) == CompressionPlan::GRID;
             for (unsigned s=0; s<4; s++)
               if (n == 4) dataOf(h+s).ownRate = unsigned(patch.rate[s]);
               else if (s == 0) dataOf(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
           });
-        for (unsigned i=0; i<n; i++) dataOf(h+i).isTracedByGrid = isTracedByGrid;
       }
 
-      uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,at(h).ownRate,indexOf(h)); }
-      uint64_t cornerClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,0,indexOf(h)); }
+      uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).ownRate,indexOf(h)); }
+      uint64_t cornerClaim (const HalfEdge* h) const { return claimOf(0,indexOf(h)); }
       static uint32_t ownerOf (uint64_t claim) { return uint32_t(claim); }
 
       void findOwners (size_t f)
@@ -155,7 +150,7 @@ namespace embree
       /*! True if two half-edges, the only ones at their edge and without an opposite, are borders of equal shape. */
       bool haveSameShape (const HalfEdge* a, const HalfEdge* b) const
       {
-        if (mesh->displFunc || at(a).isTracedByGrid || at(b).isTracedByGrid) return false;
+        if (mesh->displFunc) return false;
         return BorderEnd(a,false) == BorderEnd(b,false) && BorderEnd(a,true) == BorderEnd(b,true);
       }
 
@@ -231,7 +226,7 @@ namespace embree
       {
         uint64_t claim = ~uint64_t(0);
         for (const KeyedEdge* i=begin; i<end; i++)
-          claim = min(claim,claimOf(false,halfEdges[i->second].ownRate,i->second));
+          claim = min(claim,claimOf(halfEdges[i->second].ownRate,i->second));
         for (const KeyedEdge* i=begin; i<end; i++) {
           halfEdges[i->second].owner = ownerOf(claim);
           halfEdges[i->second].rate = halfEdges[ownerOf(claim)].ownRate;
@@ -239,7 +234,6 @@ namespace embree
       }
 
       const SubdivMesh* const mesh;
-      const CompressionPlan& plan;
       const HalfEdge* const first;
       mvector<HalfEdgeData> halfEdges; //!< by half-edge
     };
