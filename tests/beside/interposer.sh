@@ -70,6 +70,7 @@ inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits differ"
 inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" ||
   { tail "$work/meshes.log"; fail "hits of grids, quads and triangles differ"; }
 [ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not all of grids, quads and triangles are compressed"
+grep -q ': 726 quads' "$work/meshes.log" || fail "a moving cube is not compressed after a rejected time range"
 inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits differ if it is turned off"
 inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" ||
   fail "hits differ with an unknown setting"

@@ -3,49 +3,51 @@
 
 #pragma once
 
-/* Settings of the application's devices, kept while the application holds references to them. Independent of Embree's
- * headers. */
+/* Settings of the application's devices and sizes of its buffers, kept while the application holds references to them.
+ * Independent of Embree's headers. */
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
 
 namespace interposer {
 
-/* Devices are identified by their handles. Thread-safe. Devices that were not added are ignored. */
-class Devices
+/* Properties of objects that are identified by their handles. Thread-safe. Objects that were not added are ignored. */
+template<typename Properties>
+class Handles
 {
 public:
-  /* Adds a new device, to which the application holds one reference. */
-  void add(const void* device, const std::string& settings)
+  /* Adds a new object, to which the application holds one reference. */
+  void add(const void* handle, const Properties& properties)
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    entries[device] = {settings, 1};
+    entries[handle] = {properties, 1};
   }
 
-  void retain(const void* device)
+  void retain(const void* handle)
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    const auto found = entries.find(device);
+    const auto found = entries.find(handle);
     if (found != entries.end()) found->second.references++;
   }
 
-  /* Removes the device with its last reference. Must be called before Embree releases the device: afterwards, a new
-   * device can have the same handle. */
-  void release(const void* device)
+  /* Removes the object with its last reference. Must be called before Embree releases the object: afterwards, a new
+   * object can have the same handle. */
+  void release(const void* handle)
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    const auto found = entries.find(device);
+    const auto found = entries.find(handle);
     if (found != entries.end() && --found->second.references == 0) entries.erase(found);
   }
 
-  /* Returns "" for an unknown device. */
-  std::string settingsOf(const void* device) const
+  /* Returns the default for an unknown object. */
+  Properties propertiesOf(const void* handle) const
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    const auto found = entries.find(device);
-    return found == entries.end() ? "" : found->second.settings;
+    const auto found = entries.find(handle);
+    return found == entries.end() ? Properties() : found->second.properties;
   }
 
   size_t size() const
@@ -57,12 +59,31 @@ public:
 private:
   struct Entry
   {
-    std::string settings;
+    Properties properties;
     size_t references;
   };
 
   mutable std::mutex mutex;
   std::map<const void*, Entry> entries;
+};
+
+class Devices : public Handles<std::string>
+{
+public:
+  std::string settingsOf(const void* device) const { return propertiesOf(device); }
+};
+
+struct BufferSize
+{
+  size_t bytes = SIZE_MAX; // unlimited for unknown buffers
+
+  /* True if an item of the range is not completely in the buffer. stride: from item to item, in bytes. */
+  bool isExceededBy(size_t offset, size_t stride, size_t itemBytes, size_t count) const
+  {
+    if (count == 0) return false;
+    if (itemBytes > bytes || offset > bytes - itemBytes) return true;
+    return stride != 0 && count - 1 > (bytes - itemBytes - offset)/stride;
+  }
 };
 
 } // namespace interposer

@@ -71,12 +71,15 @@ struct Corners4 { unsigned int v[4]; };
 const Buffer* Input::find(RTCBufferType type, unsigned int slot) const
 {
   const auto found = buffers.find({type, slot});
-  return found == buffers.end() ? nullptr : &found->second;
+  if (found == buffers.end()) return nullptr;
+  if (found->second.isOutOfBounds) throw Unsupported("the range of one of its buffers is out of bounds");
+  return &found->second;
 }
 
 CbvhVertices Input::vertices(std::vector<const float*>& steps) const
 {
   CbvhVertices result = CbvhVertices();
+  if (numTimeSteps == 0) throw Unsupported("it has no time steps");
   for (unsigned int i = 0; i < numTimeSteps; i++) {
     const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
     if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("it has no vertices");

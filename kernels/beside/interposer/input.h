@@ -24,6 +24,7 @@ struct Buffer
   RTCFormat format;
   const char* data;
   size_t stride, count;
+  bool isOutOfBounds = false;    // it ends past the RTCBuffer: some versions of Embree accept that, others reject it
 };
 
 struct Input
@@ -31,7 +32,7 @@ struct Input
   RTCGeometryType type;
   RTCGeometry original;
   void* const* userData;         // location of the application's user data, for displacement
-  unsigned int numTimeSteps = 1;
+  unsigned int numTimeSteps = 1; // can be 0, as in Embree
   float startTime = 0, endTime = 1;
   float tessellationRate = 2;
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
@@ -44,6 +45,7 @@ struct Input
   void applyTo(CbvhSurface surface) const;
 
 private:
+  /* Returns NULL if there is no such buffer. Throws Unsupported if it is out of bounds. */
   const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
   /* The result points to `steps`, which receives the vertices of each time step. */
   CbvhVertices vertices(std::vector<const float*>& steps) const;

@@ -179,7 +179,7 @@ void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned 
   if (!array || slot != 0 || (type != RTC_BUFFER_TYPE_INDEX && type != RTC_BUFFER_TYPE_TRANSFORM)) return;
   /* Embree has the new buffer, or still its previous one if it rejected the call. Both can have the same data. */
   const void* const data = REAL(rtcGetGeometryBufferData)(geometry, type, slot);
-  const bool isAccepted = data == buffer.data && buffer.stride % 4 == 0;
+  const bool isAccepted = data == buffer.data && buffer.stride % 4 == 0 && !buffer.isOutOfBounds;
   InstancedScenes& instanced = array->instanced;
   if (type == RTC_BUFFER_TYPE_TRANSFORM) {
     if (isAccepted && isTransform(buffer.format)) instanced.numTransforms = buffer.count;

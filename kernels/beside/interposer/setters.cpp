@@ -1,12 +1,15 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's functions that set properties of a geometry or commit it. Each calls Embree and updates the
- * Substituted, if there is one. Interpolation and half-edges need no overrides, because the application's handles are
- * Embree's. */
+/* Overrides Embree's functions that create and release buffers, set properties of a geometry or commit it. Each calls
+ * Embree and updates the Substituted, if there is one. Interpolation and half-edges need no overrides, because the
+ * application's handles are Embree's. */
 
+#include "devices.h"
 #include "guarded.h"
 #include "objects.h"
+
+#include <algorithm>
 
 using namespace interposer;
 
@@ -39,17 +42,57 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::AppearanceChange);
 }
 
-/* Repeats Embree's checks of slot, format and alignment. Also false if the buffer is no input of a build. */
-bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
-  size_t stride)
+/* Never destroyed, because programs release buffers in destructors of static objects. */
+Handles<BufferSize>& bufferSizes()
 {
-  if (size_t(data) % 4 != 0 || stride % 4 != 0) return false;
+  alignas(Handles<BufferSize>) static char storage[sizeof(Handles<BufferSize>)]; // memory cannot run out
+  static Handles<BufferSize>& sizes = *new (storage) Handles<BufferSize>;
+  return sizes;
+}
+
+/* Returns the buffer, or NULL if memory runs out. */
+RTCBuffer recorded(RTCBuffer buffer, size_t bytes)
+{
+  if (!buffer || !isActive()) return buffer;
+  if (guarded("rtcNewBuffer", [&] { bufferSizes().add(buffer, {bytes}); })) return buffer;
+  REAL(rtcReleaseBuffer)(buffer);
+  return nullptr;
+}
+
+size_t sizeOf(RTCFormat format)
+{
+  switch (format) {
+  case RTC_FORMAT_UINT2: return 8;
+  case RTC_FORMAT_UINT3:
+  case RTC_FORMAT_FLOAT3: return 12;
+  case RTC_FORMAT_UINT4: return 16;
+  case RTC_FORMAT_GRID: return sizeof(RTCGrid);
+  default: return 4; // the other formats of inputs have items of 4 bytes
+  }
+}
+
+bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t stride, size_t count)
+{
+  size_t itemBytes = sizeOf(format);
+#if RTC_VERSION >= 40400
+  itemBytes = std::max(itemBytes, stride); // Embree 4.4 rejects a buffer that ends within the last stride
+#endif
+  return bufferSizes().propertiesOf(buffer).isExceededBy(offset, stride, itemBytes, count);
+}
+
+/* Repeats Embree's checks of slot, format, alignment and size. Also false if the buffer is no input of a build. */
+bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, const Buffer& buffer)
+{
+  const RTCFormat format = buffer.format;
+  if (size_t(buffer.data) % 4 != 0 || buffer.stride % 4 != 0 || buffer.count > 0xFFFFFFFFu) return false;
+  if (type == RTC_BUFFER_TYPE_VERTEX && input.type != RTC_GEOMETRY_TYPE_SUBDIVISION
+      && buffer.stride*buffer.count > size_t(16) << 30) return false;
   switch (type) {
   case RTC_BUFFER_TYPE_VERTEX: return format == RTC_FORMAT_FLOAT3 && slot < input.numTimeSteps;
   case RTC_BUFFER_TYPE_INDEX:
     if (input.type == RTC_GEOMETRY_TYPE_QUAD) return format == RTC_FORMAT_UINT4 && slot == 0;
     if (input.type == RTC_GEOMETRY_TYPE_TRIANGLE) return format == RTC_FORMAT_UINT3 && slot == 0;
-    return format == RTC_FORMAT_UINT;
+    return format == RTC_FORMAT_UINT && slot == 0;
   case RTC_BUFFER_TYPE_GRID: return format == RTC_FORMAT_GRID && slot == 0;
   case RTC_BUFFER_TYPE_EDGE_CREASE_INDEX: return format == RTC_FORMAT_UINT2 && slot == 0;
   case RTC_BUFFER_TYPE_LEVEL:
@@ -67,7 +110,9 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
   if (!isActive() || !geometry) return;
   Objects::get().setArrayBuffer(geometry, type, slot, buffer);
   changeInput(geometry, [&](Input& input) {
-    if (!isAccepted(input, type, slot, buffer.format, buffer.data, buffer.stride)) return;
+    if (!isAccepted(input, type, slot, buffer)) return;
+    /* Embree keeps the previous buffer if it rejects this one, for example from another device. It replaces NULL. */
+    if (buffer.data && REAL(rtcGetGeometryBufferData)(geometry, type, slot) != buffer.data) return;
     input.isIncomplete |= !guarded("setting a buffer", [&] { input.buffers[{type, slot}] = buffer; });
   });
 }
@@ -76,13 +121,36 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
 
 /* --- buffers -------------------------------------------------------------------------------- */
 
+RTC_API RTCBuffer rtcNewBuffer(RTCDevice device, size_t byteSize)
+{
+  return recorded(REAL(rtcNewBuffer)(device, byteSize), byteSize);
+}
+
+RTC_API RTCBuffer rtcNewSharedBuffer(RTCDevice device, void* ptr, size_t byteSize)
+{
+  return recorded(REAL(rtcNewSharedBuffer)(device, ptr, byteSize), byteSize);
+}
+
+RTC_API void rtcRetainBuffer(RTCBuffer buffer)
+{
+  REAL(rtcRetainBuffer)(buffer);
+  if (isActive()) bufferSizes().retain(buffer);
+}
+
+RTC_API void rtcReleaseBuffer(RTCBuffer buffer)
+{
+  if (isActive()) bufferSizes().release(buffer);
+  REAL(rtcReleaseBuffer)(buffer);
+}
+
 RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
   RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
   REAL(rtcSetGeometryBuffer)(geometry, type, slot, format, buffer, byteOffset, byteStride, itemCount);
   if (isActive() && geometry && buffer && Objects::get().find(geometry))
     setBuffer(geometry, type, slot,
-      {format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount});
+      {format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount,
+       isOutOfBounds(buffer, format, byteOffset, byteStride, itemCount)});
 }
 
 RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
@@ -101,6 +169,11 @@ RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, 
 }
 
 #if RTC_VERSION >= 40400
+RTC_API RTCBuffer rtcNewBufferHostDevice(RTCDevice device, size_t byteSize)
+{
+  return recorded(REAL(rtcNewBufferHostDevice)(device, byteSize), byteSize);
+}
+
 RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
   RTCFormat format, const void* ptr, const void* dptr, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
@@ -132,7 +205,7 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
 {
   REAL(rtcSetGeometryTimeStepCount)(geometry, timeStepCount);
   changeInput(geometry, [&](Input& input) {
-    if (timeStepCount < 1 || timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
+    if (timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
     for (unsigned int i = timeStepCount; i < input.numTimeSteps; i++) input.buffers.erase({RTC_BUFFER_TYPE_VERTEX, i});
     input.numTimeSteps = timeStepCount;
   });
@@ -141,6 +214,7 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
 RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime)
 {
   REAL(rtcSetGeometryTimeRange)(geometry, startTime, endTime);
+  if (startTime > endTime) return; // Embree keeps the previous range
   changeInput(geometry, [&](Input& input) { input.startTime = startTime; input.endTime = endTime; });
 }
 

@@ -17,7 +17,7 @@
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
  *       Adds the borders and middles of the primitive's patches. Returns false if it has no vertices at that step.
  *       Called once per primitive and step, in the order of steps, so that it may store vertices for later.
- *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
+ *   void forEachShared (size_t primitive, closure(size_t element))
  *       Calls closure for each element that the primitive may share with others. An element is the index of a corner,
  *       of the interior of an edge, or of a vertex. Its vertices have one lattice. */
 
@@ -143,8 +143,8 @@ namespace embree
           warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
-      /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives, or none
-       *  if GRID traces one of these. Elements without a primitive get the finest lattice of all. */
+      /*! Chooses the lattices of elements 0 to numElements-1: the coarsest lattice of their primitives.
+       *  Elements without a primitive get the finest lattice of all. */
       template<typename Topology, typename Progress>
       void chooseForShared (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
@@ -152,10 +152,10 @@ namespace embree
              own.empty() ? int8_t(cbvh::losslessExponent) : *std::min_element(own.begin(),own.end()));
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
-              topology.forEachShared(i,[&](size_t element, bool isTracedByGrid) {
+              topology.forEachShared(i,[&](size_t element) {
                   int8_t* const at = &shared[element*plan.numTimeSteps];
                   for (unsigned step=0; step<plan.numTimeSteps; step++)
-                    atomicMax(at[step],isTracedByGrid ? int8_t(tracedByGrid) : own[i*plan.numTimeSteps + step]);
+                    atomicMax(at[step],own[i*plan.numTimeSteps + step]);
                 });
             progress();
           });
@@ -166,16 +166,10 @@ namespace embree
       /*! Exponent of a primitive's lattice; losslessExponent if the primitive has no vertices at that step. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
-      /*! Exponent of an element's lattice; losslessExponent if GRID traces one of its primitives. */
-      int ofShared (size_t element, unsigned step) const
-      {
-        const int exponent = shared[element*plan.numTimeSteps + step];
-        return exponent == tracedByGrid ? cbvh::losslessExponent : exponent;
-      }
+      /*! Exponent of an element's lattice. */
+      int ofShared (size_t element, unsigned step) const { return shared[element*plan.numTimeSteps + step]; }
 
     private:
-      enum { tracedByGrid = 127 }; //!< for no lattice, because GRID traces a primitive; greater than all exponents
-
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {
         cbvh::resizeToFit(exponents,count*plan.numTimeSteps);

@@ -29,7 +29,7 @@ namespace embree
       typedef PatchEvaluator Scratch;
 
       CageBorders (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firstPoints(mesh->device,0),
+        : plan(plan), mesh(mesh), topology(mesh), lattices(mesh->device,plan), firstPoints(mesh->device,0),
           points(mesh->device,0), firstCached(mesh->device,0), cached(mesh->device,0) {}
 
       template<typename Progress>
@@ -113,8 +113,7 @@ namespace embree
       {
         topology.forEachEdge(f,[&](const HalfEdge* h) {
             const CageTopology::HalfEdgeData& edge = topology.at(h);
-            closure(cornerElement(edge),edge.isTracedByGrid);
-            closure(edgeElement(edge),edge.isTracedByGrid);
+            for (size_t element : { cornerElement(edge),edgeElement(edge) }) closure(element);
           });
       }
 

@@ -10,7 +10,8 @@
  *    x----o----o----o----x    that can be reached from A or B by crossing edges. The number of a
  *          face B             claim is the index of a half-edge.
  *
- * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Embree keeps the edge's vertices
+ * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Faces that do not participate
+ * count. Embree keeps the edge's vertices
  * in place, so before displacement it is straight and equal in all faces. All share it and its two corners.
  * If two faces have opposite winding, the half-edges of their edge have no opposite either: Embree treats them as
  * borders. They are shared if both faces evaluate the same border. */
@@ -18,7 +19,6 @@
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
 #include "patches.h"
-#include "plan.h"
 #include "shared_border.h"
 #include <algorithm>
 #include <map>
@@ -38,11 +38,10 @@ namespace embree
         unsigned rate;         //!< rate of the stored edge, the lowest of its faces
         uint32_t owner;        //!< index of the half-edge whose face owns the edge
         uint32_t cornerOwner;  //!< index of the half-edge, at the same vertex, whose face owns the corner
-        bool isTracedByGrid;   //!< GRID traces at least one patch of the half-edge's face
       };
 
-      CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
+      explicit CageTopology (const SubdivMesh* mesh)
+        : mesh(mesh), first(mesh->topology[0].halfEdges.data()), halfEdges(mesh->device,0) {}
 
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
@@ -102,18 +101,15 @@ namespace embree
         const unsigned n = mesh->faceVertices[f];
         for (unsigned i=0; i<n; i++) dataOf(h+i) = HalfEdgeData();
         if (!hasSurface(mesh,f)) return;
-        bool isTracedByGrid = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            isTracedByGrid |= plan.storage(patch.rate) == CompressionPlan::GRID;
             for (unsigned s=0; s<4; s++)
               if (n == 4) dataOf(h+s).ownRate = unsigned(patch.rate[s]);
               else if (s == 0) dataOf(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
           });
-        for (unsigned i=0; i<n; i++) dataOf(h+i).isTracedByGrid = isTracedByGrid;
       }
 
-      uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,at(h).ownRate,indexOf(h)); }
-      uint64_t cornerClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,0,indexOf(h)); }
+      uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).ownRate,indexOf(h)); }
+      uint64_t cornerClaim (const HalfEdge* h) const { return claimOf(0,indexOf(h)); }
       static uint32_t ownerOf (uint64_t claim) { return uint32_t(claim); }
 
       void findOwners (size_t f)
@@ -151,11 +147,10 @@ namespace embree
         }
       }
 
-      /*! True if two participating half-edges without an opposite, at the same edge, are borders of equal shape. */
+      /*! True if two half-edges, the only ones at their edge and without an opposite, are borders of equal shape. */
       bool haveSameShape (const HalfEdge* a, const HalfEdge* b) const
       {
-        if (a->getStartVertexIndex() != b->getStartVertexIndex()) return true; // third face left out
-        if (mesh->displFunc || at(a).isTracedByGrid || at(b).isTracedByGrid) return false;
+        if (mesh->displFunc) return false;
         return BorderEnd(a,false) == BorderEnd(b,false) && BorderEnd(a,true) == BorderEnd(b,true);
       }
 
@@ -182,23 +177,39 @@ namespace embree
         }
       };
 
+      /*! Also returns half-edges of faces that do not participate, because their vertices are not finite for example:
+       *  Embree counts them, but not holes, to find non-manifold edges. */
+      std::vector<KeyedEdge> halfEdgesWithoutOpposite () const
+      {
+        const std::vector<unsigned> holes = sortedHoles(mesh);
+        std::vector<KeyedEdge> found;
+        for (size_t f=0; f<mesh->size(); f++)
+        {
+          if (mesh->faceVertices[f] < 2 || std::binary_search(holes.begin(),holes.end(),unsigned(f))) continue;
+          const HalfEdge* h = mesh->getHalfEdge(0,f);
+          for (unsigned i=0; i<mesh->faceVertices[f]; i++)
+            if (!h[i].hasOpposite()) found.push_back({ uint64_t(h[i].getEdge()),indexOf(h+i) });
+        }
+        return found;
+      }
+
       /*! Sets one owner and rate for the half-edges of an edge of three or more faces, or of two borders of equal
        *  shape, and one corner owner for each of its ends. */
       void joinWithoutOpposite ()
       {
-        std::vector<KeyedEdge> borders;
-        for (uint32_t i=0; i<halfEdges.size(); i++)
-          if (halfEdges[i].ownRate != noRate && !first[i].hasOpposite())
-            borders.push_back({ uint64_t(first[i].getEdge()),i });
+        std::vector<KeyedEdge> borders = halfEdgesWithoutOpposite();
         std::sort(borders.begin(),borders.end());
         std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;
-          if (end-begin < 2) continue;
+          const auto isLeftOut = [&](const KeyedEdge& edge) { return halfEdges[edge.second].ownRate == noRate; };
+          const size_t joinedEnd =
+            std::remove_if(borders.begin()+begin,borders.begin()+end,isLeftOut) - borders.begin();
+          if (joinedEnd-begin < 2) continue;
           if (end-begin == 2 && !haveSameShape(first+borders[begin].second,first+borders[begin+1].second)) continue;
-          joinEdges(borders.data()+begin,borders.data()+end);
-          for (size_t i=begin; i<end; i++)
+          joinEdges(borders.data()+begin,borders.data()+joinedEnd);
+          for (size_t i=begin; i<joinedEnd; i++)
             for (const HalfEdge* h : { first+borders[i].second, first[borders[i].second].next() })
               owners[h->getStartVertexIndex()].insert(at(h).cornerOwner);
         }
@@ -215,7 +226,7 @@ namespace embree
       {
         uint64_t claim = ~uint64_t(0);
         for (const KeyedEdge* i=begin; i<end; i++)
-          claim = min(claim,claimOf(false,halfEdges[i->second].ownRate,i->second));
+          claim = min(claim,claimOf(halfEdges[i->second].ownRate,i->second));
         for (const KeyedEdge* i=begin; i<end; i++) {
           halfEdges[i->second].owner = ownerOf(claim);
           halfEdges[i->second].rate = halfEdges[ownerOf(claim)].ownRate;
@@ -223,7 +234,6 @@ namespace embree
       }
 
       const SubdivMesh* const mesh;
-      const CompressionPlan& plan;
       const HalfEdge* const first;
       mvector<HalfEdgeData> halfEdges; //!< by half-edge
     };

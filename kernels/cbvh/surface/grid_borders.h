@@ -148,7 +148,7 @@ namespace embree
       {
         if (!isValid(i)) return;
         forEachBorderVertex((*this)[i],[&](size_t vertex) {
-            if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex),false);
+            if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex));
           });
       }
 

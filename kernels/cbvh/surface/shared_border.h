@@ -8,13 +8,12 @@
  * The primitives of a geometry, faces or grids, share edges and corners. Each evaluates its own vertices there, on its
  * own lattice, so rays would pass between them. Therefore all primitives store the same floats there:
  *
- * 1. Owner. The primitive with the smallest claim owns a shared edge or corner: first primitives that GRID traces,
- *    because GRID cannot use other vertices, then the fewest vertices along the edge, then the lowest number. All
- *    primitives use the owner's positions.
+ * 1. Owner. The primitive with the smallest claim owns a shared edge or corner: first the fewest vertices along the
+ *    edge, then the lowest number. All primitives use the owner's positions.
  * 2. Rate. An edge has the lowest rate of its primitives. A primitive with more vertices is stitched to it: each of its
  *    vertices moves to a vertex of the edge.
  * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
- *    these lattices, because they are nested. A vertex of GRID is on no lattice: it stays in place.
+ *    these lattices, because they are nested.
  * 4. Vertices on an edge. If an application moved vertices of a fine grid onto the edges of a coarse one, they are
  *    stored on the stored edges, and on no lattice (stitched_vertices.h).
  * 5. Values that are not finite. A primitive uses its own vertex if its own or the owner's position is not finite. So
@@ -47,9 +46,7 @@ namespace embree
 
     /*! Encodes a claim (part 1 of the rule) as an integer. rate: of the edge, less than 2^31; 0 for a corner, whose
      *  owner is independent of rates. number: unique among the claims. */
-    inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
-      return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
-    }
+    inline uint64_t claimOf (unsigned rate, uint32_t number) { return uint64_t(rate) << 32 | number; }
 
     /*! First, and nearest, vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves
      *  to vertex k of an edge of rate `coarse`. */

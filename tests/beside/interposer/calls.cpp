@@ -204,6 +204,7 @@ private:
   void instances();
   void edits();
   void motion();
+  void rejections();
   void releases();
   void meshes();
   void cancelling();
@@ -459,16 +460,44 @@ void Program::edits()
 void Program::motion()
 {
   const host::Cube cube;
-  const RTCGeometry geometry = newCube();
+  const RTCGeometry geometry = newCube(11); // 726 quads, which interposer.sh finds in the log
   rtcSetGeometryTimeStepCount(geometry, 2);
   // Embree 4.3.3 itself shows subdivision surfaces outside of other time ranges, too
   rtcSetGeometryTimeRange(geometry, 0, 1);
+  rtcSetGeometryTimeRange(geometry, 1, 0); // rejected: the range stays 0 to 1
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT);
   for (unsigned i = 0; i < 2; i++)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12,
                                8);
   rtcCommitGeometry(geometry);
   const RTCScene scene = newScene(geometry);
   shoot(scene);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+/* Embree keeps the previous values if it rejects a call. */
+void Program::rejections()
+{
+  const RTCGeometry geometry = newCube();
+  const RTCBuffer buffer = rtcNewBuffer(device, 8*12 + 4);
+  std::memcpy(rtcGetBufferData(buffer), host::Cube().vertices[0].data(), 8*12);
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, 0, 12, 8);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = newScene(geometry);
+  shoot(scene);
+
+  const std::pair<size_t, size_t> ranges[] = {{1 << 20, 8}, {0, 1 << 20}}; // offset and count, past the end
+  for (const auto& range : ranges) {
+    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, range.first, 12,
+                         range.second);
+    CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    shoot(scene);
+  }
+  rtcReleaseBuffer(buffer);
   rtcReleaseGeometry(geometry);
   rtcReleaseScene(scene);
 }
@@ -654,8 +683,8 @@ void Program::run()
   const std::pair<const char*, void (Program::*)()> uses[] = {
     {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry},
     {"masks", &Program::masks}, {"instances", &Program::instances}, {"edits", &Program::edits},
-    {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads},
-    {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
+    {"motion", &Program::motion}, {"rejections", &Program::rejections}, {"meshes", &Program::meshes},
+    {"threads", &Program::threads}, {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
