@@ -9,6 +9,7 @@
 #include "support/random.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <ostream>
 #include <vector>
@@ -18,8 +19,8 @@ namespace {
 
 using namespace embree::cbvh;
 
-// The encoder's slack, and the rounding of float arithmetic on numbers up to 4.
-constexpr double tolerance = containmentSlack + 0x1p-20;
+constexpr double floatRounding = 0x1p-20; // of float arithmetic on numbers up to 4
+constexpr double tolerance = containmentSlack + floatRounding;
 
 // Up to ROUGH, height fields over the parent's box.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
@@ -292,6 +293,105 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
 
 // --- lattices ------------------------------------------------------------------------------
 
+// The contract of QuadGroup::slack(), for the decoded surface: edges keep that distance from both ends of the
+// thickness. Edges on the border also keep it from the surface.
+void expectSlackOfSurface(const GroupLeaves& leaves, const QuadGroup& group)
+{
+  double slope[2] = {};
+  for (const LeafPatch& leaf : leaves.leaf)
+    for (int i = 0; i < 2; i++) {
+      slope[0] = std::max(slope[0], std::fabs(double(leaf.z[2*i + 1]) - leaf.z[2*i])/leaf.box.extent[0]);
+      slope[1] = std::max(slope[1], std::fabs(double(leaf.z[2 + i]) - leaf.z[i])/leaf.box.extent[1]);
+    }
+  const double slack = group.slack(slope) - floatRounding;
+  for (int quad = 0; quad < 4; quad++)
+    for (int side = 0; side < 4; side++) {
+      const int axis = side/2, upper = side % 2;
+      const EdgeOfGroup edge = {quad, axis, upper, childCoordinate(quad, axis) == upper && group.border[axis][upper]};
+      const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
+      const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
+      for (int step = 0; step <= 8; step++) {
+        double p[3];
+        for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8;
+        bool found = false;
+        for (const LeafPatch& leaf : leaves.leaf) {
+          double distance, position[2];
+          if (!surfaceAbove(leaf, p, distance, position)) continue;
+          found = true;
+          ASSERT_LE(std::fabs(distance) + slack, 0.5*leaf.thickness) << edge;
+          if (edge.onBorder) { ASSERT_GE(distance, slack) << edge; }
+        }
+        ASSERT_TRUE(found) << edge << " is in no leaf";
+      }
+    }
+}
+
+// Raising the border makes a surface steeper. Steeper surfaces need more slack if vertices are imprecise.
+TEST(LeafCodec, RaisedLatticesKeepTheSlackOfTheirSlopes)
+{
+  Random random(53);
+  unsigned lattices = 0;
+  for (int shape = 0; shape < SHAPES; shape++)
+    for (int repeat = 0; repeat < 2000; repeat++) {
+      const NodeBox parent = randomBox(random);
+      QuadGroup group;
+      makeGroup(random, Shape(shape), parent, group, random.magnitude(1e-4, 0.02));
+      EncodedGroup encoded;
+      if (!encodeLattice(parent, group, encoded)) continue;
+      lattices++;
+      SCOPED_TRACE(testing::Message() << "shape " << shape << ", group " << repeat);
+      expectSlackOfSurface(GroupLeaves(encoded.word, encoded.heights, parent), group);
+      if (HasFatalFailure()) return;
+    }
+  EXPECT_GT(lattices, 3000u);
+}
+
+// Far from the origin, vertices of small blocks are imprecise.
+TEST(LeafCodec, SmallDistantBlocksKeepTheSlackOfTheirSlopes)
+{
+  Random random(54);
+  const float size = 0.05f, corners[4][3] = {{1000, 1000, 1000}, {1000 + size, 1000, 1000}, {1000, 1000 + size, 1000},
+                                             {1000 + size, 1000 + size, 1000}};
+  unsigned lattices = 0;
+  for (uint32_t height = 1; height <= 4; height++)
+    for (int repeat = 0; repeat < 100; repeat++) {
+      const uint32_t side = (1u << height) + 1;
+      const double phase = 6*random.uniform();
+      std::vector<float> vertices;
+      for (uint32_t v = 0; v < side*side; v++) {
+        const double x = double(v % side)/(side - 1), y = double(v/side)/(side - 1),
+                     p[3] = {x, y, 0.3*std::sin(7*x + 3*y + phase)};
+        for (double coordinate : p) vertices.push_back(float(1000 + size*coordinate));
+      }
+      const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+      ASSERT_TRUE(encoded);
+      std::vector<Double4> scratch(BlockGeometry::scratchBytes(height)/sizeof(Double4) + 1);
+      BlockGeometry geometry(Kind::LEAF, height, (const float(*)[3])vertices.data(), scratch.data());
+      ASSERT_TRUE(geometry.fit(corners));
+      geometry.computeBounds();
+      EXPECT_GT(geometry.rounding[0], 0.004);
+      for (uint32_t m = 0; m < 1u << 2*(height - 1); m++) {
+        const GroupLeaves leaves(encoded.get()->nodes()[nodesOfLevels(height - 1) + m], heightsOf(encoded.get(), m),
+                                 decodedBox(encoded.get(), height - 1, m));
+        if (!leaves.isLattice) continue;
+        lattices++;
+        QuadGroup group;
+        const uint32_t x = 2*mortonX(m), y = 2*mortonY(m);
+        for (uint32_t v = 0; v < 9; v++)
+          std::copy_n(geometry.local[(y + v/3)*side + x + v % 3], 3, group.vertices[v]);
+        std::copy_n(geometry.rounding, 3, group.rounding);
+        group.border[0][0] = x == 0;
+        group.border[0][1] = x + 3 == side;
+        group.border[1][0] = y == 0;
+        group.border[1][1] = y + 3 == side;
+        SCOPED_TRACE(testing::Message() << "height " << height << ", block " << repeat << ", group " << m);
+        expectSlackOfSurface(leaves, group);
+        if (HasFatalFailure()) return;
+      }
+    }
+  EXPECT_GT(lattices, 5000u);
+}
+
 // The encoder adjusts heights until each vertex is within 1/16 of a bin, then rounds each height by at most half a
 // bin. A patch is a convex combination of four heights.
 TEST(LeafCodec, LatticesMatchVerticesWithinHalfABin)
@@ -463,7 +563,7 @@ TEST(LeafCodec, FourLatticesAtOnceMatchSingleOnes)
     for (int repeat = 0; repeat < 3000; repeat++) {
       SCOPED_TRACE(testing::Message() << "shape " << shape << ", groups " << repeat);
       const NodeBox parent = randomBox(random);
-      const double rounding = repeat % 2 ? 0x1p-12 : 0;
+      const double rounding = std::array<double, 3>{0, 0x1p-12, 0x1p-7}[repeat % 3];
       QuadGroup groups[4];
       NodeBoxes parents;
       GroupLanes lanes;

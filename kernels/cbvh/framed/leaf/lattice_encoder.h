@@ -21,6 +21,10 @@ namespace embree
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitIterations = 16; //!< of fitLattice()
 
+    /*! Largest number of times that the surface is raised at the block's border. Raising can make it steeper, so that
+     *  it needs more slack and must be raised again. */
+    static constexpr int maxRaiseAttempts = 4;
+
     /*! A surface that is piecewise bilinear over 3 x 3 heights. */
     struct Lattice
     {
@@ -208,6 +212,27 @@ namespace embree
       }
     }
 
+    /*! Raises the surface on the block's border to `slack` above the edges. Returns false if that moves it too far. */
+    inline bool raiseBorder(CodedLattice& lattice, const QuadGroup& group, double slack)
+    {
+      for (int axis=0; axis<2; axis++)
+        for (int upper=0; upper<2; upper++)
+        {
+          if (!group.border[axis][upper]) continue;
+          const GroupLine side(axis,2*upper);
+          raiseToVertices(lattice,group,side,slack);
+          if (!raiseToEdges(lattice,group,side,slack)) return false;
+        }
+      return true;
+    }
+
+    /*! Returns QuadGroup::slack() for the largest slopes of a surface. */
+    inline double slackOfSurface(const Lattice& surface, const QuadGroup& group)
+    {
+      const double slopes[2] = { surface.maxAbsSlope(0),surface.maxAbsSlope(1) };
+      return group.slack(slopes);
+    }
+
     /*! Smallest code whose half thickness exceeds the distances of all edges from the surface by `slack`, or 4 if there
      *  is none. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
@@ -249,17 +274,16 @@ namespace embree
       fitLattice(group,lattice.surface,fitTolerance*lattice.bins.size);
       for (int v=0; v<9; v++) lattice.set(v,std::floor((lattice.surface.z[v]-lattice.bins.lower)/lattice.bins.size));
 
-      /* on the border, the surface must not be below the edge */
-      const double slopes[2] = { lattice.surface.maxAbsSlope(0),lattice.surface.maxAbsSlope(1) };
-      const double slack = group.slack(slopes);
-      for (int axis=0; axis<2; axis++)
-        for (int upper=0; upper<2; upper++)
-        {
-          if (!group.border[axis][upper]) continue;
-          const GroupLine side(axis,2*upper);
-          raiseToVertices(lattice,group,side,slack);
-          if (!raiseToEdges(lattice,group,side,slack)) return false;
-        }
+      /* ends with the slack that the final surface needs, or more */
+      double slack = slackOfSurface(lattice.surface,group);
+      for (int attempt=1; ; attempt++)
+      {
+        if (!raiseBorder(lattice,group,slack)) return false;
+        const double finalSlack = slackOfSurface(lattice.surface,group);
+        if (finalSlack <= slack) break;
+        if (attempt == maxRaiseAttempts) return false;
+        slack = finalSlack;
+      }
 
       const uint32_t thickness = encodeLatticeThickness(lattice,group,slack);
       if (thickness == 4) return false;

@@ -42,11 +42,7 @@ namespace embree
         if (encoded == 0) return;
         fitHeights();
         for (int v=0; v<9; v++) setHeight(v,(z[v]-binsLower)/binSize);
-        const Double4 slack = computeSlack();
-        raiseSide<0,0>(slack);
-        raiseSide<0,1>(slack);
-        raiseSide<1,0>(slack);
-        raiseSide<1,1>(slack);
+        const Double4 slack = raiseBorder();
         if (encoded) encodeThickness(slack);
       }
 
@@ -338,12 +334,35 @@ namespace embree
         setHeight(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < deficit)) & roundedUp));
       }
 
-      /*! As raiseToVertices() and raiseToEdges(), for the lower (0) or upper (1) side of an axis, in lanes in which the
-       *  side is on the block's border. */
-      template<int axis, int side>
-      void raiseSide(Double4 slack)
+      /*! Raises the surface in lanes on the block's border, as encodeLattice() does. Returns the slack of each lane. */
+      Double4 raiseBorder()
       {
-        const uint32_t lanes = groups.border[axis][side] & encoded;
+        Double4 slack = computeSlack();
+        uint32_t lanes = encoded & (groups.border[0][0] | groups.border[0][1] | groups.border[1][0]
+          | groups.border[1][1]);
+        for (int attempt=1; lanes; attempt++)
+        {
+          raiseSide<0,0>(lanes,slack);
+          raiseSide<0,1>(lanes,slack);
+          raiseSide<1,0>(lanes,slack);
+          raiseSide<1,1>(lanes,slack);
+          const Double4 finalSlack = computeSlack();
+          lanes &= encoded & (slack < finalSlack).bits();
+          if (attempt == maxRaiseAttempts) {
+            encoded &= ~lanes;
+            break;
+          }
+          slack = select(maskFromBits(lanes),finalSlack,slack);
+        }
+        return slack;
+      }
+
+      /*! As raiseToVertices() and raiseToEdges(), for the lower (0) or upper (1) side of an axis, in the given lanes in
+       *  which the side is on the block's border. */
+      template<int axis, int side>
+      void raiseSide(uint32_t lanesToRaise, Double4 slack)
+      {
+        const uint32_t lanes = groups.border[axis][side] & lanesToRaise & encoded;
         if (!lanes) return;
         const Mask4 mask = maskFromBits(lanes);
         constexpr int step = axis == 0 ? 3 : 1, v = 2*side*(axis == 0 ? 1 : 3);
