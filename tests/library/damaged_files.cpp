@@ -461,8 +461,11 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
       std::memcpy(&child, &file.bytes[record.tree + i], sizeof(child));
       if ((child & cvert::FILE_CHILD_MASK) <= cvert::FILE_NODE) continue;
       char* const block = &file.bytes[record.blocks + (child & ~uint64_t(cvert::FILE_CHILD_MASK))];
-      (isMesh(cvert::FileChild(child & cvert::FILE_CHILD_MASK)) ? ((cvert::MeshHeader*)block)->primID
-                                                                : ((cvert::VertHeader*)block)->primID) += added;
+      if (isMesh(cvert::FileChild(child & cvert::FILE_CHILD_MASK))) {
+        cvert::MeshHeader& header = *(cvert::MeshHeader*)block;
+        header.primID += header.info & cvert::meshHasQuads ? 2*added : added; // numbers of triangles, two per quad
+      }
+      else ((cvert::VertHeader*)block)->primID += added;
       altered++;
     }
     record.numPrimitives += added;
