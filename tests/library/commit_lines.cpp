@@ -242,7 +242,7 @@ TEST(InvalidQuads, AreReportedWithTheirReasons)
   Random random(3);
   DicedMesh mesh = meshOf(dicedSheet(1, 32), QuadOrder::Rows, random);
   mesh.quads[100][2] = unsigned(mesh.vertices.size());
-  mesh.vertices[mesh.quads[700][0]].x = NAN;
+  mesh.vertices[mesh.quads[700][0]][0] = NAN;
   size_t invalid = 0;
   testing::internal::CaptureStderr();
   {

@@ -41,11 +41,11 @@ namespace embree
         return finite;
       }
 
-      /*! Factors of reciprocals for the distances at which rays enter and leave boxes: 3 ulps as in Embree, so that grids
-       *  of GRID have the hits that they have in Embree's own tree. No lost ray is known. A proof that rounding culls no
-       *  box with a triangle in front of the ray that cvert/rule/rule.h hits needs 7 half ulps, relative to the distance
-       *  of the hit on the direction's largest axis: the rule shears the other axes with two roundings, and rounds
-       *  sheared vertices by at most 2. The distance to a plane has three: reciprocal, factor and product. Its
+      /*! Factors of reciprocals for the distances at which rays enter and leave boxes: 3 ulps as in Embree, so that
+       *  grids of GRID have the hits that they have in Embree's own tree. No lost ray is known. A proof that rounding
+       *  culls no box with a triangle in front of the ray that cvert/rule/rule.h hits needs 7 half ulps of the
+       *  hit's distance on the direction's largest axis: the rule shears the other axes with two roundings, and
+       *  rounds sheared vertices by at most 2. The distance to a plane has three: reciprocal, factor and product. Its
        *  difference has none, because the vertex has the same one. */
       static constexpr float nearFactor = 1.0f-3.0f*std::numeric_limits<float>::epsilon();
       static constexpr float farFactor = 1.0f+3.0f*std::numeric_limits<float>::epsilon();
