@@ -70,9 +70,8 @@ namespace embree
         {
           if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
             const BlockFormat format = formatOfBlock(typeOf(type));
-            Reason reason = mapped.validate(size_t(offset),format);
-            if (!reason) reason = mapped.accept(size_t(offset),format);
-            if (reason) file.fail(i,"the block at " + std::to_string(offset) + ": ",reason);
+            if (const Reason reason = mapped.accept(size_t(offset),format))
+              file.fail(i,"the block at " + std::to_string(offset) + ": ",reason);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
           if (type == FILE_FRAMED)

@@ -216,27 +216,23 @@ namespace embree
 
     Reason MappedBlocks::accept (size_t offset, BlockFormat format) const
     {
-      if (usedUnits)
-      {
-        Lock<MutexSys> lock(mutex);
-        if (isMarked(offset)) return Reason(); // by another thread
-        const size_t end = (offset+bytesOfBlock(begin+offset,format)+15)/16;
-        for (size_t unit=offset/16; unit<end; unit++)
-          if ((usedUnits[unit/64] >> (unit % 64)) & 1) return Reason::damaged("it overlaps another block");
-        for (size_t unit=offset/16; unit<end; unit++) usedUnits[unit/64] |= uint64_t(1) << (unit % 64);
-        uint32_t expected = record.surface; // unless the file has surfaceNumber already
-        surfaceOf(offset,format).compareExchange(expected,surfaceNumber,std::memory_order_acq_rel);
-        mark(offset);
-      }
-      else mark(offset);
+      if (const Reason reason = validate(offset,format)) return reason;
+      if (!usedUnits) { mark(offset); return Reason(); }
+      Lock<MutexSys> lock(mutex);
+      if (isMarked(offset)) return Reason(); // by another thread
+      const size_t end = (offset+bytesOfBlock(begin+offset,format)+15)/16;
+      for (size_t unit=offset/16; unit<end; unit++)
+        if ((usedUnits[unit/64] >> (unit % 64)) & 1) return Reason::damaged("it overlaps another block");
+      for (size_t unit=offset/16; unit<end; unit++) usedUnits[unit/64] |= uint64_t(1) << (unit % 64);
+      uint32_t expected = record.surface; // unless the file has surfaceNumber already
+      surfaceOf(offset,format).compareExchange(expected,surfaceNumber,std::memory_order_acq_rel);
+      mark(offset);
       return Reason();
     }
 
     bool MappedBlocks::check (size_t offset, BlockFormat format) const
     {
-      Reason reason = validate(offset,format);
-      if (!reason) reason = accept(offset,format);
-      if (reason) {
+      if (const Reason reason = accept(offset,format)) {
         if (!isReported.exchange(true)) {
           const std::string message = name + ": the block at " + std::to_string(offset)
             + " is damaged, possibly others too: " + reason.message() + "; rays miss it";

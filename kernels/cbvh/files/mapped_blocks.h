@@ -34,9 +34,6 @@ namespace embree
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! Returns the first error in a block. offset: from the first block, in bytes. */
-      cvert::Reason validate (size_t offset, BlockFormat format) const;
-
       /*! True if a block of this object may be decoded. Reports the first damaged one to the device. */
       bool isValid (const void* block, BlockFormat format) const
       {
@@ -44,9 +41,9 @@ namespace embree
         return likely(isMarked(offset)) || check(offset,format);
       }
 
-      /*! Marks a block as valid that validate() accepted, after writing the surface number if it differs. Returns an
-       *  error if the number would be written into a file where blocks overlap: it could change a block that was
-       *  validated before. Thread-safe. */
+      /*! Validates a block, writes the surface number if it differs from the record's, and marks the block as valid.
+       *  Returns the first error. Writing a number into a block that overlaps another one is an error, because it could
+       *  change a block that was accepted before. offset: from the first block, in bytes. */
       cvert::Reason accept (size_t offset, BlockFormat format) const;
 
       const char* first () const { return begin; }
@@ -54,8 +51,9 @@ namespace embree
     private:
       friend class MappedBlockRegistry;
 
-      /*! Validates a block and marks it as valid, or reports the damage. */
+      /*! Accepts a block, or reports the damage. */
       bool check (size_t offset, BlockFormat format) const;
+      cvert::Reason validate (size_t offset, BlockFormat format) const;
       AtomicRef<uint32_t> surfaceOf (size_t offset, BlockFormat format) const;
       bool isOwnSurface (size_t offset, BlockFormat format) const;
       bool isMarked (size_t offset) const {
