@@ -67,21 +67,15 @@ namespace embree
        *  the rest. */
       void flushIfFull () { if (used > flushThresholdBytes) flush(); }
 
-      /*! Copies the buffered blocks and adds their primitives. Several blocks share an allocation, because the
-       *  allocator rounds up each size. */
+      /*! Copies the buffered blocks and adds their primitives. The blocks share an allocation, because the allocator
+       *  rounds up each size. */
       void flush ()
       {
-        for (size_t i=0, next; i<pending.size(); i=next)
-        {
-          const size_t begin = pending[i].offset;
-          for (next=i+1; next<pending.size() && pending[next].offset-begin < allocationThresholdBytes; next++);
-          const size_t size = (next < pending.size() ? pending[next].offset : used) - begin;
-          char* copy = (char*)memory->allocate(size+pending[next-1].readPadding);
-          memcpy(copy,bytes.data()+begin,size);
-          for (size_t k=i; k<next; k++)
-            addPrimitive(pending[k].bounds,
-                         size_t(BVH4::encodeTypedLeaf(copy+(pending[k].offset-begin),pending[k].type)));
-        }
+        if (pending.empty()) return;
+        char* const copy = (char*)memory->allocate(used+pending.back().readPadding);
+        memcpy(copy,bytes.data(),used);
+        for (const PendingBlock& block : pending)
+          addPrimitive(block.bounds,size_t(BVH4::encodeTypedLeaf(copy+block.offset,block.type)));
         pending.clear();
         used = 0;
       }
@@ -100,11 +94,6 @@ namespace embree
       static const size_t flushThresholdBytes = 1 << 14;
 
     private:
-      /*! Bytes after which flush() begins a new allocation. The last block of an allocation may exceed the limit.
-       *  Embree's allocator has chunks of up to 2 MiB: larger allocations would leave much of a chunk unused, or not
-       *  fit. */
-      static const size_t allocationThresholdBytes = 1 << 20;
-
       struct PendingBlock
       {
         size_t offset; //!< in `bytes`
