@@ -38,7 +38,7 @@ mkdir -p "$work/include" "$work/tests/interposer"
 cp -rL "$build/include/cbvh" "$work/include/"
 cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp \
   "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/*.h \
-  "$here"/../../kernels/cbvh/core/device_string.cpp "$work/"
+  "$here"/../../kernels/cbvh/core/device_string.cpp "$here"/../../kernels/cbvh/base/environment.h "$work/"
 cp "$here/host.h" "$work/tests/"
 cp "$here"/interposer/*.c* "$work/tests/interposer/"
 flags="-O2 -Wall -Wextra -Werror -Iinclude"

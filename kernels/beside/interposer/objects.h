@@ -8,10 +8,10 @@
  * the application, of scenes to geometries, and of instances to scenes. */
 
 #include "geometry.h"
+#include "immortal.h"
 
 #include <map>
 #include <memory>
-#include <new>
 #include <vector>
 
 namespace interposer {
@@ -70,12 +70,7 @@ class Objects
 
 public:
   /* Never destroyed, because programs release geometries in destructors of static objects. */
-  static Objects& get()
-  {
-    alignas(Objects) static char storage[sizeof(Objects)]; // memory cannot run out
-    static Objects& objects = *new (storage) Objects;
-    return objects;
-  }
+  static Objects& get() { return immortal<Objects>(); }
 
   /* Throw std::bad_alloc. */
   void addScene(RTCScene scene);

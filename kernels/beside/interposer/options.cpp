@@ -4,13 +4,13 @@
 #include "options.h"
 
 #include "device_string.h"
+#include "environment.h"
 #include "lower_case.h"
 
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <locale>
 #include <mutex>
@@ -49,11 +49,6 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-static bool isVerbosity(const std::string& text)
-{
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
 /* Items of EMBREE_CBVH that messages suggest. */
 static const std::vector<std::string> suggestions =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
@@ -75,10 +70,11 @@ static bool isFramedSetting(const std::string& item)
  * that turn compression on or off decides. */
 static bool parse(const std::string& item, Options& options)
 {
+  bool isVerbose;
+  if (embree::parseVerbose(item, isVerbose)) return true; // libembree_cbvh reads it itself
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    // without effect here: libembree_cbvh reads "verbose" itself, and always releases input
-    if (item == "verbose" || item == "release_input") return true;
+    if (item == "release_input") return true; // libembree_cbvh always releases input
     if (item == "0" || item == "none") { options.isOn = false; return true; }
     const std::string name = embree::lowerCase(item);
     if (name != "1" && name != "vert" && name != "cvert" && name != "cbvh.vert") return false;
@@ -89,7 +85,6 @@ static bool parse(const std::string& item, Options& options)
   if (key == "grids") return parseSwitch(value, options.compressesGrids);
   if (key == "quads") return parseSwitch(value, options.compressesQuads);
   if (key == "triangles") return parseSwitch(value, options.compressesTriangles);
-  if (key == "verbose") return isVerbosity(value);
   return key == "release_input" && (value == "0" || value == "1");
 }
 
@@ -98,13 +93,7 @@ const Options& options()
   static const Options options = [] {
     Options read;
     bool isInvalid = false;
-    const char* const text = std::getenv("EMBREE_CBVH");
-    std::istringstream items(text ? text : "");
-    std::string item;
-    while (std::getline(items, item, ',')) {
-      const size_t begin = item.find_first_not_of(" \t"), end = item.find_last_not_of(" \t");
-      if (begin == std::string::npos) continue;
-      item = item.substr(begin, end - begin + 1);
+    for (const std::string& item : embree::environmentItems()) {
       if (parse(item, read)) continue;
       if (isFramedSetting(item)) {
         if (item.find('=') == std::string::npos) read.isOn = true; // a representation

@@ -7,6 +7,7 @@
 
 #include "devices.h"
 #include "guarded.h"
+#include "immortal.h"
 #include "objects.h"
 
 #include <algorithm>
@@ -43,12 +44,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
 }
 
 /* Never destroyed, because programs release buffers in destructors of static objects. */
-Handles<BufferSize>& bufferSizes()
-{
-  alignas(Handles<BufferSize>) static char storage[sizeof(Handles<BufferSize>)]; // memory cannot run out
-  static Handles<BufferSize>& sizes = *new (storage) Handles<BufferSize>;
-  return sizes;
-}
+Handles<BufferSize>& bufferSizes() { return immortal<Handles<BufferSize>>(); }
 
 /* Returns the buffer, or NULL if memory runs out. */
 RTCBuffer recorded(RTCBuffer buffer, size_t bytes)

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* The environment variable EMBREE_CBVH: a comma-separated list, for example "1,max_error=0.001,verbose". */
+/* The environment variable EMBREE_CBVH: a comma-separated list, for example "1,max_error=0.001,verbose".
+ * Independent of Embree, because the interposer compiles it, too. */
 
 #include <cstdlib>
 #include <sstream>

@@ -1,0 +1,20 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <new>
+
+namespace interposer {
+
+/* Returns the only object of a type that this function creates. It needs no heap, and is never destroyed, because
+ * programs call Embree until they end. Thread-safe. */
+template<typename T>
+T& immortal()
+{
+  alignas(T) static char storage[sizeof(T)];
+  static T& object = *new (storage) T;
+  return object;
+}
+
+} // namespace interposer
