@@ -17,6 +17,18 @@
 namespace cbvh::test {
 namespace {
 
+// The same sheet as a cage, grids, quads and triangles.
+std::vector<RTCGeometry> sheetsOfAllTypes(RTCDevice device)
+{
+  Random random(1);
+  const Diced grids = dicedSheet(4, 32);
+  const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+  SurfaceSettings settings;
+  settings.rate = 32;
+  return {newSurface(device, sheetCage(8), settings), newGrids(device, grids), newMesh(device, mesh),
+          newMesh(device, trianglesOf(mesh))};
+}
+
 // For programs that cannot be changed: later accesses to buffers are errors.
 TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
 {
@@ -79,20 +91,12 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
 TEST(ReleaseInput, LaterAttributesCannotBeInterpolated)
 {
   Device device("subdiv_accel=cbvh,cbvh_release_input=1");
-  Random random(1);
-  const Diced grids = dicedSheet(4, 32);
-  const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
-  SurfaceSettings settings;
-  settings.rate = 32;
-  const std::function<RTCGeometry()> types[] = {
-    [&] { return newSurface(device, sheetCage(8), settings); }, [&] { return newGrids(device, grids); },
-    [&] { return newMesh(device, mesh); }, [&] { return newMesh(device, trianglesOf(mesh)); }};
-  for (size_t type = 0; type < std::size(types); type++) {
-    SCOPED_TRACE(type);
-    RTCGeometry geometry = types[type]();
+  size_t type = 0;
+  for (RTCGeometry geometry : sheetsOfAllTypes(device)) {
+    SCOPED_TRACE(type++);
     rtcCommitGeometry(geometry);
     rtcSetGeometryVertexAttributeCount(geometry, 1);
-    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3, mesh.vertices);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3, dicedSheet(4, 32).vertices);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     float P[3] = {-7, -7, -7};
     rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, P, 3);
@@ -118,18 +122,11 @@ TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
     }
   };
   Device device;
-  Random random(1);
-  const Diced grids = dicedSheet(4, 32);
-  const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
-  SurfaceSettings settings;
-  settings.rate = 32;
-  const std::function<RTCGeometry()> types[] = {
-    [&] { return newSurface(device, sheetCage(8), settings); }, [&] { return newGrids(device, grids); },
-    [&] { return newMesh(device, mesh); }, [&] { return newMesh(device, trianglesOf(mesh)); }};
-  for (size_t type = 0; type < std::size(types); type++) {
-    SCOPED_TRACE(type);
+  size_t type = 0;
+  for (RTCGeometry geometry : sheetsOfAllTypes(device)) {
+    SCOPED_TRACE(type++);
     Callback callback;
-    callback.geometry = types[type]();
+    callback.geometry = geometry;
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
