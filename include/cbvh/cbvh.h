@@ -19,8 +19,8 @@
  *   cbvhCommitGroup(group);
  *   if (cbvhIntersect1(group, &ray, NULL)) ...
  *
- * Surfaces are stored as cVERT: the triangles of a fine tessellation with vertices on a lattice, in 2 to 4 bytes per
- * quad. Irregular triangles mostly need 7 to 8 bytes each.
+ * Surfaces are stored as cVERT: the triangles of a fine tessellation with vertices on a lattice. Displaced cages mostly
+ * need 2 to 4 bytes per quad, irregular meshes 7 to 8 bytes per triangle. docs/precision.md lists noisy surfaces.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
  * failure. cbvhGetErrorText returns the message of the last error. Functions that return a count, a pointer or bounds

@@ -5,10 +5,12 @@
  * writes out of bounds; packets and devices do not hang. */
 
 #include "support/diced_mesh.h"
+#include "support/memory.h"
 #include "support/query_forms.h"
 
 #include <gtest/gtest.h>
 
+#include <malloc.h>
 #include <mutex>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -165,6 +167,25 @@ TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
       EXPECT_GT(hits, 100u);
     }
   }
+}
+
+// Embree kept the arrays by which it sorts half-edges, 32 bytes for each, which its memory monitor does not count.
+TEST(UpstreamFixes, CommittedCagesKeepNoMemoryForSorting)
+{
+  const Cage cage = sheetCage(100);
+  const auto heapBytes = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return ssize_t(info.uordblks + info.hblkhd);
+  };
+  Memory memory;
+  Device device;
+  rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+  rtcReleaseGeometry(newSurface(device, sheetCage(2), {})); // first use of lists that the process keeps
+  const ssize_t heap = heapBytes(), monitored = memory.live;
+  const RTCGeometry geometry = newSurface(device, cage, {});
+  EXPECT_GT(memory.live - monitored, ssize_t(32*cage.indices.size())) << "the half-edges themselves";
+  EXPECT_LT(heapBytes() - heap - (memory.live - monitored), ssize_t(8*cage.indices.size()));
+  rtcReleaseGeometry(geometry);
 }
 
 TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)

@@ -380,8 +380,8 @@ int run(int argc, char** argv)
   app.add_option("--motion", options.motion, "motion of models and cages: turn, bend, twist, walk")
       ->type_name("NAME")->capture_default_str();
   app.add_option("--divisor", options.divisors,
-      "comma-separated list of N: bounds on the movement of vertices to measure besides the default and lossless, 1/N "
-      "of the median edge each (default: 36; cages: 512)")
+      "comma-separated list of N: lattice spacings to measure besides the default and lossless, at most 1/N of the "
+      "median edge each (default: 36; cages: 512)")
       ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 1 << 20));
   app.add_option("--quads-per-side", options.sheetQuads, "quads per side of terrains and scans")
       ->type_name("N")->check(CLI::Range(16, 30000))->capture_default_str();

@@ -293,8 +293,6 @@ namespace embree
     for (auto& tags : mesh->vertex_buffer_tags) std::vector<SharedLazyTessellationCache::CacheEntry>().swap(tags);
     for (auto& topology : mesh->topology) {
       topology.vertexIndices = BufferView<unsigned int>();
-      std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges0);
-      std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges1);
       if (!hasAttributes) topology.halfEdges.clear();
       else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
     }
