@@ -4,9 +4,10 @@
 /* Checksums of cVERT blocks. After an intended change, the test prints the new table.
  *
  * The vertices are integers times a power of two, the same on every machine, and so are the bytes: nothing is skipped.
- * block_bytes.cpp tests the kinds with frames, whose vertices Embree evaluates. */
+ * framed_bytes.cpp tests the kinds with frames. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
+#include "support/pinned_bytes.h"
 
 #include <gtest/gtest.h>
 
@@ -19,21 +20,6 @@ namespace cbvh::test {
 namespace {
 
 using namespace cvert;
-
-// Knuth's MMIX generator; returns its upper bits.
-class Integers
-{
-public:
-  explicit Integers(uint64_t seed) : state(seed) {}
-  int within(int magnitude) // [-magnitude, magnitude]
-  {
-    state = state*6364136223846793005u + 1442695040888963407u;
-    return int((state >> 33) % uint64_t(2*magnitude + 1)) - magnitude;
-  }
-
-private:
-  uint64_t state;
-};
 
 // A sheet in lattice spacings.
 struct Sheet
@@ -104,13 +90,6 @@ VertPlacement placementOf(const Sheet& sheet)
   const uint32_t region = packRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = packPatchQuads(100, 50);
   return sheet.quadsX % 2 ? VertPlacement(region, patch, packEdges(100, 7, 31, 50, 5, 1))
                           : VertPlacement(region, patch);
-}
-
-uint64_t checksum(const uint8_t* data, size_t bytes)
-{
-  uint64_t value = 0xcbf29ce484222325u;
-  for (size_t i = 0; i < bytes; i++) value = (value ^ data[i])*0x100000001b3u;
-  return value;
 }
 
 TEST(VertBytes, MatchPinnedChecksums)
