@@ -6,6 +6,7 @@
 
 #include "cbvh/core/dicing.h"
 #include "cbvh/core/files.h"
+#include "cbvh/core/number_text.h"
 #include "cbvh/core/stored_surface.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 
 using namespace embree::beside;
 namespace core = embree::core;
+using embree::numberText;
 
 namespace {
 
@@ -115,7 +117,7 @@ void checkTopology(const CbvhCage& cage)
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
-  const std::string prefix = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
+  const std::string prefix = "u " + numberText(u) + ", v " + numberText(v) + " of face "
     + std::to_string(primID) + ": ";
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
@@ -298,7 +300,7 @@ void CbvhSurfaceTy::set(const CbvhAccuracy& newAccuracy)
 {
   const ChangeScope change(*this);
   if (!(std::isfinite(newAccuracy.maxError) && newAccuracy.maxError >= 0))
-    throwInvalidArgument("maxError " + std::to_string(newAccuracy.maxError)
+    throwInvalidArgument("maxError " + numberText(newAccuracy.maxError)
       + " is negative or not finite: expected at least 0");
   core::validate(settingsOf(newAccuracy, false));
   accuracy = newAccuracy;

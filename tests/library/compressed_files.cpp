@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <set>
 #include <thread>
 
@@ -374,6 +375,31 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
     }
     rtcReleaseGeometry(geometry);
   }
+}
+
+TEST(CompressedFiles, TheTimeRangeOfTheMessageIsAccepted)
+{
+  Folder folder;
+  Device device;
+  SurfaceSettings settings;
+  settings.timeSteps = 2;
+  settings.begin = 1e-7f;
+  settings.end = 1.0f/3;
+  RTCGeometry geometry = releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+  rtcReleaseGeometry(geometry);
+  geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+  ASSERT_NE(geometry, nullptr) << device.message;
+  rtcSetGeometryTimeRange(geometry, 0, 2);
+  rtcCommitGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  float begin = -1, end = -1;
+  const size_t at = std::min(device.message.find("expected"), device.message.size());
+  EXPECT_EQ(std::sscanf(device.message.c_str() + at, "expected %f to %f", &begin, &end), 2) << device.message;
+  rtcSetGeometryTimeRange(geometry, begin, end);
+  rtcCommitGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  rtcReleaseGeometry(geometry);
 }
 
 TEST(CompressedFiles, UncompressedGeometryIsNotSaved)

@@ -6,6 +6,7 @@
 #include "../embree/scene.h"
 #include "../core/device_string.h"
 #include "../core/lower_case.h"
+#include "../core/number_text.h"
 #include "factory.h"
 #include "../state/settings.h"
 #include "../base/environment.h"
@@ -131,13 +132,7 @@ namespace embree
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
     try { return std::to_string(token.Int()); } catch (const std::exception&) {}
-    try {
-      std::ostringstream s;
-      s.imbue(std::locale::classic());
-      s.precision(9); // enough for every float to be read back unchanged
-      s << token.Float();
-      return s.str();
-    } catch (const std::exception&) {}
+    try { return numberText(token.Float()); } catch (const std::exception&) {}
     return "";
   }
 

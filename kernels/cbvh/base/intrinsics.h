@@ -50,8 +50,8 @@ namespace embree
   }
 
 #if !defined(__AVX__) // with AVX, callers have masks of 8 or 16 lanes
-  /*! As above, for 16 lanes. Packs the masks to bytes and collects the bits once, not once per mask. Collecting
-   *  requires several instructions of NEON. */
+  /*! As above, for 16 lanes. Packs the masks to bytes first, because collecting bits requires several instructions of
+   *  NEON. */
   __forceinline uint32_t movemasks (const vboolf4 (&masks)[4])
   {
 #if defined(__ARM_NEON)

@@ -28,8 +28,8 @@ namespace embree
       size_t numAffineBlocks = 0;      //!< with an affine frame, where no projective frame was possible
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
-      size_t numFallbackQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
-      size_t numFlippedQuads = 0;      //!< stored normal differs by over 90 degrees from the evaluated vertices'
+      size_t numFallbackQuads = 0;     //!< cLEAF: quads of faces stored as cVERT
+      size_t numFlippedQuads = 0;      //!< the stored normal differs from the evaluated one by over 90 degrees
       size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
       size_t numIrregularQuads = 0;    //!< of these, in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps

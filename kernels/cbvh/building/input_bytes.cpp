@@ -34,7 +34,7 @@ namespace embree
         addVertices(mesh);
         for (const auto& topology : mesh->topology) {
           add(topology.vertexIndices);
-          bytes += topology.halfEdges.size()*sizeof(HalfEdge);
+          bytes += topology.halfEdges.capacity()*sizeof(HalfEdge); // up to twice their size
         }
         add(mesh->faceVertices);
         add(mesh->edge_creases);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "compression.h"
+#include "number_text.h"
 #include "../base/kinds.h"
 #include "../files/loaded_geometry.h"
 #include "../stored/report.h"
@@ -26,10 +27,13 @@ namespace embree
             : "unknown compression ") + std::to_string(compression));
       }
 
+      std::string textOf (int value) { return std::to_string(value); }
+      std::string textOf (float value) { return numberText(value); }
+
       template<typename T>
       void require (bool isValid, const char* name, T value, const std::string& expected) {
         if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "
-            + std::to_string(value) + ": expected " + expected);
+            + textOf(value) + ": expected " + expected);
       }
     }
 

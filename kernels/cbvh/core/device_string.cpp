@@ -13,45 +13,45 @@ namespace embree
 {
   namespace
   {
-    /*! How values are checked. Any: later. Names of accelerators and builders are checked when a scene is built, cbvh
-     *  keys when they are parsed. */
-    enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
+    /*! How values are checked. Name: whether an accelerator or builder of this name exists is checked when a scene is
+     *  built. Any: values of cbvh keys are checked when they are parsed. */
+    enum class Value { Any, Name, Integer, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
 
     /*! Keys of State::parse in kernels/common/state.cpp and of CompressionSettings::parse. */
     const Key keys[] = {
-      { "threads",Value::Number },{ "user_threads",Value::Number },{ "set_affinity",Value::Number },
-      { "affinity",Value::Number },{ "start_threads",Value::Number },
+      { "threads",Value::Integer },{ "user_threads",Value::Integer },{ "set_affinity",Value::Integer },
+      { "affinity",Value::Integer },{ "start_threads",Value::Integer },
       { "isa",Value::Isa },{ "max_isa",Value::Isa },{ "max_builder_isa",Value::Isa },
       { "frequency_level",Value::Frequency },
-      { "enable_selockmemoryprivilege",Value::Number },{ "hugepages",Value::Number },
-      { "float_exceptions",Value::Number },
-      { "accel",Value::Any },{ "builder",Value::Any },{ "traverser",Value::Any },
-      { "accel_mb",Value::Any },{ "builder_mb",Value::Any },{ "traverser_mb",Value::Any },
-      { "tri_accel",Value::Any },{ "tri_builder",Value::Any },{ "tri_traverser",Value::Any },
-      { "tri_accel_mb",Value::Any },{ "tri_builder_mb",Value::Any },{ "tri_traverser_mb",Value::Any },
-      { "quad_accel",Value::Any },{ "quad_builder",Value::Any },{ "quad_traverser",Value::Any },
-      { "quad_accel_mb",Value::Any },{ "quad_builder_mb",Value::Any },{ "quad_traverser_mb",Value::Any },
-      { "line_accel",Value::Any },{ "line_builder",Value::Any },{ "line_traverser",Value::Any },
-      { "line_accel_mb",Value::Any },{ "line_builder_mb",Value::Any },{ "line_traverser_mb",Value::Any },
-      { "hair_accel",Value::Any },{ "hair_builder",Value::Any },{ "hair_traverser",Value::Any },
-      { "hair_accel_mb",Value::Any },{ "hair_builder_mb",Value::Any },{ "hair_traverser_mb",Value::Any },
-      { "object_accel",Value::Any },{ "object_builder",Value::Any },
-      { "object_accel_min_leaf_size",Value::Number },{ "object_accel_max_leaf_size",Value::Number },
-      { "object_accel_mb",Value::Any },{ "object_builder_mb",Value::Any },
-      { "object_accel_mb_min_leaf_size",Value::Number },{ "object_accel_mb_max_leaf_size",Value::Number },
-      { "instancing_open_min",Value::Number },{ "instancing_block_size",Value::Number },
-      { "instancing_open_max_depth",Value::Number },
-      { "instancing_open_factor",Value::Number },{ "instancing_open_max",Value::Number },
-      { "subdiv_accel",Value::Any },{ "subdiv_accel_mb",Value::Any },
-      { "grid_accel",Value::Any },{ "grid_accel_mb",Value::Any },
-      { "verbose",Value::Number },{ "benchmark",Value::Number },
+      { "enable_selockmemoryprivilege",Value::Integer },{ "hugepages",Value::Integer },
+      { "float_exceptions",Value::Integer },
+      { "accel",Value::Name },{ "builder",Value::Name },{ "traverser",Value::Name },
+      { "accel_mb",Value::Name },{ "builder_mb",Value::Name },{ "traverser_mb",Value::Name },
+      { "tri_accel",Value::Name },{ "tri_builder",Value::Name },{ "tri_traverser",Value::Name },
+      { "tri_accel_mb",Value::Name },{ "tri_builder_mb",Value::Name },{ "tri_traverser_mb",Value::Name },
+      { "quad_accel",Value::Name },{ "quad_builder",Value::Name },{ "quad_traverser",Value::Name },
+      { "quad_accel_mb",Value::Name },{ "quad_builder_mb",Value::Name },{ "quad_traverser_mb",Value::Name },
+      { "line_accel",Value::Name },{ "line_builder",Value::Name },{ "line_traverser",Value::Name },
+      { "line_accel_mb",Value::Name },{ "line_builder_mb",Value::Name },{ "line_traverser_mb",Value::Name },
+      { "hair_accel",Value::Name },{ "hair_builder",Value::Name },{ "hair_traverser",Value::Name },
+      { "hair_accel_mb",Value::Name },{ "hair_builder_mb",Value::Name },{ "hair_traverser_mb",Value::Name },
+      { "object_accel",Value::Name },{ "object_builder",Value::Name },
+      { "object_accel_min_leaf_size",Value::Integer },{ "object_accel_max_leaf_size",Value::Integer },
+      { "object_accel_mb",Value::Name },{ "object_builder_mb",Value::Name },
+      { "object_accel_mb_min_leaf_size",Value::Integer },{ "object_accel_mb_max_leaf_size",Value::Integer },
+      { "instancing_open_min",Value::Integer },{ "instancing_block_size",Value::Integer },
+      { "instancing_open_max_depth",Value::Integer },
+      { "instancing_open_factor",Value::Number },{ "instancing_open_max",Value::Integer },
+      { "subdiv_accel",Value::Name },{ "subdiv_accel_mb",Value::Name },
+      { "grid_accel",Value::Name },{ "grid_accel_mb",Value::Name },
+      { "verbose",Value::Integer },{ "benchmark",Value::Integer },
       { "quality",Value::Quality },{ "scene_flags",Value::SceneFlags },
-      { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Number },
+      { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Integer },
       { "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
-      { "alloc_main_block_size",Value::Number },{ "alloc_num_main_slots",Value::Number },
-      { "alloc_thread_block_size",Value::Number },{ "alloc_single_thread_alloc",Value::Number },
+      { "alloc_main_block_size",Value::Integer },{ "alloc_num_main_slots",Value::Integer },
+      { "alloc_thread_block_size",Value::Integer },{ "alloc_single_thread_alloc",Value::Integer },
       { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_fallback_faces",Value::Any },
       { "cbvh_exact_faces",Value::Any }, // former name of cbvh_fallback_faces
       { "cbvh_grids",Value::Any },{ "cbvh_quads",Value::Any },{ "cbvh_triangles",Value::Any },
@@ -99,19 +99,31 @@ namespace embree
       }
     }
 
+    /*! T: double, or int to reject fractions and numbers out of its range. */
+    template<typename T>
     bool isNumber (const std::string& text)
     {
       std::istringstream stream(text);
       stream.imbue(std::locale::classic());
-      double number;
+      T number;
       return (stream >> number) && stream.eof();
+    }
+
+    /*! True for an identifier of Embree's lexer. */
+    bool isName (const std::string& text)
+    {
+      const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
+      return letters.find(text[0]) != std::string::npos
+        && text.find_first_not_of(letters + "0123456789.") == std::string::npos;
     }
 
     std::string findValueError (const Key& key, std::string value)
     {
       const std::string prefix = "invalid value \"" + value + "\" of " + key.name + ": ";
       if (value.empty()) return prefix + "expected " + key.name + "=<value>";
-      if (key.value == Value::Number) return isNumber(value) ? "" : prefix + "expected a number";
+      if (key.value == Value::Number) return isNumber<double>(value) ? "" : prefix + "expected a number";
+      if (key.value == Value::Integer) return isNumber<int>(value) ? "" : prefix + "expected an integer of 32 bits";
+      if (key.value == Value::Name) return isName(value) ? "" : prefix + "expected a name";
       const std::vector<std::string> accepted = acceptedValues(key.value);
       if (accepted.empty()) return "";
       if (key.value == Value::Isa) value = lowerCase(value); // Embree ignores case, too

@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Public structs that may grow (in include/cbvh and include/embree3). Each begins with size_t
- * structSize, the application's sizeof. Later versions append members, for which zero selects the previous behavior, at
- * the previous sizeof; structs that the library reads therefore have no padding at the end.
+/* Public structs that may grow (in include/cbvh and include/embree3). Each begins with size_t structSize, the
+ * application's sizeof. Later versions append members at the previous sizeof; zero selects the previous behavior.
+ * Structs that the library reads therefore have no padding at the end.
  *
  * The application's struct may be smaller than this version's: only structSize may be accessed directly.
  *
- * All functions throw RTC_ERROR_INVALID_ARGUMENT, naming the struct, if structSize is out of range or no
- * multiple of sizeof(size_t). */
+ * All functions throw RTC_ERROR_INVALID_ARGUMENT, naming the struct, if structSize is out of range or not a multiple of
+ * sizeof(size_t). */
 
 #include <cstddef>
 

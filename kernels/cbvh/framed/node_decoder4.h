@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* SIMD decoder of nodes (node.h) and of cLEAF groups (leaf/format.h): all four children of a word at once. first: index
- * of the first child in the output. */
+/* SIMD decoder of nodes (node.h) and of cLEAF groups (leaf/format.h). Decodes all four children of a word at once, to
+ * index `first` of the output and the next three. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -155,7 +155,7 @@ namespace embree
           q[3] = q[1]+q[2]-q[0];
           const vfloat4 lower = plane(2,0), extent = plane(2,1)-lower;
           storeSurfaces(q,vfloat4(separateRange/float(separateBins))*extent,
-            madd(vfloat4(0.5f*(1.0f-separateRange)),extent,lower),
+                        madd(vfloat4(0.5f*(1.0f-separateRange)),extent,lower),
                         separateThickness(uint32_t(bits >> separateThicknessShift) & 7u));
         }
 

@@ -64,7 +64,7 @@ namespace embree
     {
       struct Rows
       {
-        size_t first, stride;       //!< in vertices
+        size_t first, stride; //!< in vertices
         unsigned width, height;
         size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
       };
@@ -116,8 +116,8 @@ namespace embree
       struct Corners
       {
         const Quads* mesh;
-        const unsigned* quadsOfRegion;     //!< row by row
-        unsigned width, height; //!< in vertices
+        const unsigned* quadsOfRegion; //!< row by row
+        unsigned width, height;        //!< in vertices
 
         size_t vertex (unsigned x, unsigned y) const
         {
@@ -141,7 +141,7 @@ namespace embree
       size_t size () const { return regions->regions.size(); }
       Grid operator[] (size_t i) const {
         const QuadRegions::Region& r = regions->regions[i];
-          return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 });
+        return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 });
       }
       bool hasIrregular () const { return regions->hasIrregular(); }
       bool isValid (size_t) const { return true; }

@@ -49,7 +49,7 @@ namespace embree
       if (begin + mesh->faceVertices[f] > firstWrong)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,describe(mesh,f) + "index " + std::to_string(firstWrong-begin)
             + " is vertex " + std::to_string(indices[firstWrong]) + ": expected less than "
-              + std::to_string(numVertices));
+            + std::to_string(numVertices));
   }
 
   void checkSides (const GridMesh* mesh)
@@ -59,8 +59,8 @@ namespace embree
       if (max(mesh->grid(i).resX,mesh->grid(i).resY) > maxSide)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has "
             + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
-                       + " vertices: expected at most " + std::to_string(maxSide)
-                         + " along a side of a grid that is not compressed");
+            + " vertices: expected at most " + std::to_string(maxSide)
+            + " along a side of a grid that is not compressed");
   }
 
   void checkStrides (const GridMesh* mesh)

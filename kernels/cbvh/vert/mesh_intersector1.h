@@ -5,7 +5,6 @@
 
 /* Single-ray intersectors of mesh blocks, at rest and moving. */
 
-
 #include "cached_mesh.h"
 #include "intersector1.h"
 #include "moving_mesh.h"

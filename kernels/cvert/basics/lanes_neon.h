@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The functions of lanes_sse.h in NEON registers, with the same results, also for NaN and for floats beyond the range
- * of integers. */
+/* The functions of lanes_sse.h in NEON registers. */
 
 #include "language.h"
 #include <arm_neon.h>

@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /* Embree's epilogue for M triangles of a block. */
+      /*! Returns Embree's epilogue for M triangles of a block. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
         return Intersect1EpilogMU<M,true>(ray,context,geomIDOf(context,block->surface),block->primID);

@@ -50,8 +50,8 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool hit;
-  /*! If hit: of the entry into the lip's width, the exit from it and the vertex of f, the first that is in the lip, or
-   *  the entry if none is. */
+  /*! If hit: the first of three k that is in the lip, or else the first: where the ray enters the lip's width, where it
+   *  leaves it, vertex of f. */
   Real k;
 };
 
@@ -160,8 +160,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
 /*! Intersects a ray with the lips of leaf (leafX,leafY). Returns the first one hit in the order of sides. last: index
  *  of the last leaf along a side of the block. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
-  uint32_t leafY,
-  uint32_t last, CVERT_OF(Lip) lip)
+  uint32_t leafY, uint32_t last, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipIntersection) at;
   at.hit = false;
