@@ -510,13 +510,13 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
   EXPECT_TRUE(folder.names().empty());
 }
 
-// With 20000 geometries, the last 2000 are loaded, and the first 2000 released, nearly as fast as if there were no
+// With 10000 geometries, the last 1000 are loaded, and the first 1000 released, nearly as fast as if there were no
 // others.
 TEST(CompressedFiles, LoadingAndReleasingTakeLinearTime)
 {
   Folder folder;
   Device device;
-  const unsigned part = 2000, all = 10*part;
+  const unsigned part = 1000, all = 10*part;
   RTCGeometry geometry = releasing(newSurface(device, sheetCage(1), SurfaceSettings()), RTC_COMPRESSION_CVERT);
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
   for (unsigned i = 0; i < all; i++) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
