@@ -89,8 +89,8 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, struct RTCVulkanDevic
 /* Opens a Vulkan device.
  *
  * device:   retained; receives errors. May be NULL.
- * selector: an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia"; case is ignored). NULL or
- *           "" selects the first supported device, discrete devices first.
+ * selector: an index of rtcGetVulkanDevices (only digits, "0"), or a part of a name ("llvmpipe", "nvidia"; case is
+ *           ignored). NULL or "" selects the first supported device, discrete devices first.
  *
  * Returns the device, to be released by rtcReleaseVulkanDevice, or NULL.
  *

@@ -393,7 +393,8 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
     for (const std::string& selector : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
                                      std::string("no such device")}) {
       EXPECT_EQ(rtcNewVulkanDevice(embree, selector.c_str()), nullptr);
-      expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + selector + "'", std::to_string(i) + " " + infos[i].name});
+      expectError(RTC_ERROR_INVALID_ARGUMENT, {(std::isdigit(selector[0]) ? "index '" : "device '") + selector + "'",
+                                               std::to_string(i) + " " + infos[i].name});
     }
 
   for (unsigned i = 0; i < count; i++) {

@@ -96,13 +96,13 @@ namespace embree
   {
     const SubdivMesh::Topology& topology = topologyOf(mesh,args);
     const int* const valid = (const int*) args->valid;
-    unsigned checked = RTC_INVALID_GEOMETRY_ID;
+    const unsigned* checked = nullptr; // a pointer, because no number can mean none
     for (unsigned i=0; i<args->N; i++)
     {
       if (valid && valid[i] != -1) continue;
-      if (args->primIDs[i] != checked) requireFace(mesh,topology,args->primIDs[i]);
-      checked = args->primIDs[i];
-      requireSubPatch(topology,checked,args->u[i],args->v[i]);
+      if (!checked || args->primIDs[i] != *checked) requireFace(mesh,topology,args->primIDs[i]);
+      checked = args->primIDs+i;
+      requireSubPatch(topology,*checked,args->u[i],args->v[i]);
     }
   }
 }

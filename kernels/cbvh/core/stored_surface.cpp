@@ -48,7 +48,7 @@ namespace embree
     }
 
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
-        cbvh::StoredTriangle& triangle) {
+                       cbvh::StoredTriangle& triangle) {
       return requireBlocks(geometry).index().find(traversalTime(geometry,time),primID,u,v,Ng,triangle);
     }
 
@@ -59,7 +59,7 @@ namespace embree
     }
 
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
-        const std::function<bool(const cbvh::StoredCluster&)>& closure,
+                         const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterStatistics& statistics)
     {
       statistics = cbvh::ClusterStatistics();

@@ -28,7 +28,7 @@ namespace embree
      *  found. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block, plus 4
      *  per primitive of a quad or triangle mesh. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
-        cbvh::StoredTriangle& triangle);
+                       cbvh::StoredTriangle& triangle);
 
     /*! Calls closure(part) for all parts, in unspecified order, until it returns false. Cost: decodes each block
      *  once. */
@@ -39,7 +39,7 @@ namespace embree
      *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more triangles than DGF
      *  can number. */
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
-        const std::function<bool(const cbvh::StoredCluster&)>& closure,
+                         const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterStatistics& statistics);
   }
 }

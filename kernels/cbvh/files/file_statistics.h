@@ -20,7 +20,7 @@ namespace embree
     {
       closure(s.sums.topLevelBytes); closure(s.sums.headerBytes); closure(s.sums.nodeBytes); closure(s.sums.leafBytes);
       closure(s.sums.uncompressedBytes); closure(s.sums.numBlocks); closure(s.sums.numQuads);
-        closure(s.sums.numUncompressedQuads);
+      closure(s.sums.numUncompressedQuads);
       closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks); closure(s.sums.numSolidLeaves);
       closure(s.sums.numRawBlocks); closure(s.sums.numFallbackQuads); closure(s.sums.numFlippedQuads);
       closure(s.sums.numMeshQuads); closure(s.sums.numIrregularQuads); closure(s.sums.numMovingQuads);

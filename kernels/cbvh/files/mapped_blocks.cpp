@@ -36,30 +36,24 @@ namespace embree
       typedef std::vector<AddressRange> List;
 
     public:
-      /*! Changes nothing if it throws std::bad_alloc. */
       static void add (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
-        std::shared_ptr<const List> next = listOf(blocks);
         blocks->previous = nullptr;
         blocks->next = first;
         if (first) first->previous = blocks;
         first = blocks;
-        list = std::move(next);
         mappedBlockValidator.store(isValid);
         hullBegin = std::min(hullBegin,size_t(blocks->begin));
         hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
         publish();
       }
 
-      /*! If there is no memory for a new list, threads search all MappedBlocks until the next change. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
         (blocks->previous ? blocks->previous->next : first) = blocks->next;
         if (blocks->next) blocks->next->previous = blocks->previous;
-        try { list = listOf(nullptr); }
-        catch (const std::bad_alloc&) { list.reset(); }
         publish();
       }
 
@@ -90,7 +84,7 @@ namespace embree
         }
         if (threadCopy->generation != generation.load(std::memory_order_acquire)) {
           Lock<MutexSys> lock(mutex);
-          threadCopy->list = list;
+          threadCopy->list = currentList();
           threadCopy->generation = generation.load(std::memory_order_relaxed);
           threadCopy->last = AddressRange{ nullptr, 0, nullptr };
         }
@@ -119,23 +113,30 @@ namespace embree
         return AddressRange{ nullptr, 0, nullptr };
       }
 
-      /*! Returns a new list of all registered MappedBlocks, and of `added` unless null. The mutex must be locked. */
-      static std::shared_ptr<const List> listOf (const MappedBlocks* added)
+      /*! Returns the list of all registered MappedBlocks. The first ray after changes makes it: a list per change would
+       *  take quadratic time. Returns null if there is no memory for it; the thread then searches all MappedBlocks
+       *  until the next change. The mutex must be locked. */
+      static std::shared_ptr<const List> currentList ()
       {
-        const std::shared_ptr<List> next = std::make_shared<List>();
-        auto insert = [&](const MappedBlocks* blocks) { if (blocks->bytes) next->push_back(rangeOf(blocks)); };
-        if (added) insert(added);
-        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) insert(blocks);
-        std::sort(next->begin(),next->end(),
-          [](const AddressRange& a, const AddressRange& b) { return a.begin < b.begin; });
-        for (size_t i=1; i<next->size(); i++) assert(!(*next)[i-1].contains((*next)[i].begin));
-        return next;
+        if (list) return list;
+        try {
+          const std::shared_ptr<List> next = std::make_shared<List>();
+          for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next)
+            if (blocks->bytes) next->push_back(rangeOf(blocks));
+          std::sort(next->begin(),next->end(),
+            [](const AddressRange& a, const AddressRange& b) { return a.begin < b.begin; });
+          for (size_t i=1; i<next->size(); i++) assert(!(*next)[i-1].contains((*next)[i].begin));
+          list = next;
+        }
+        catch (const std::bad_alloc&) {}
+        return list;
       }
 
       /*! Publishes a change. The mutex must be locked. First extends the range to all addresses, for readers that see a
        *  part of the change (base/block_validity.h). */
       static void publish ()
       {
+        list.reset();
         if (!first) {
           mappedBytes.store(0);
           hullBegin = ~size_t(0);
@@ -151,7 +152,7 @@ namespace embree
 
       static MutexSys mutex;                    //!< protects the next four members
       static MappedBlocks* first;
-      static std::shared_ptr<const List> list;  //!< null if there was no memory for it
+      static std::shared_ptr<const List> list;  //!< null until currentList() makes it
       static size_t hullBegin, hullEnd;         //!< range of addresses; grows until no file is mapped
       static std::atomic<uint64_t> generation;  //!< incremented by each change
       static __thread ThreadCopy* threadCopy __attribute__((tls_model("initial-exec")));
@@ -174,11 +175,12 @@ namespace embree
       const size_t words = bytes/(16*64)+1;
       validBlocks = (std::atomic<uint64_t>*)calloc(words,sizeof(uint64_t));
       if (record.surface != surfaceNumber) usedUnits = (uint64_t*)calloc(words,sizeof(uint64_t));
-      try {
-        if (!validBlocks || (record.surface != surfaceNumber && !usedUnits)) throw std::bad_alloc();
-        MappedBlockRegistry::add(this);
+      if (!validBlocks || (record.surface != surfaceNumber && !usedUnits)) {
+        free(usedUnits);
+        free(validBlocks);
+        throw std::bad_alloc();
       }
-      catch (...) { free(usedUnits); free(validBlocks); throw; }
+      MappedBlockRegistry::add(this);
     }
 
     MappedBlocks::~MappedBlocks ()

@@ -93,8 +93,7 @@ namespace embree
        *  the lanes. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks intersectBoxes (const NodeRay& ray, const NodePlanes<N>& c, float sBest,
-        BoxRanges<N>& ranges,
-                                        int number = N)
+                                             BoxRanges<N>& ranges, int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
         /* copies, because the stores below could modify the ray */
@@ -103,8 +102,9 @@ namespace embree
         for (int k=0; k<3; k++) {
           nearPlanes[k] = ray.nearPlanes(c,k);
           farPlanes[k] = ray.farPlanes(c,k);
-          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]); Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]);
-            rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
+          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]);
+          Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]);
+          rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
         }
         BoxMasks masks = { 0u,0u };
         for (int i=0; i<number; i+=int(vfloatW::size))

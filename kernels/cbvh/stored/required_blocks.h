@@ -8,13 +8,12 @@
 
 namespace embree
 {
-  /*! Throws RTC_ERROR_INVALID_OPERATION. */
   [[noreturn]] inline void throwNotCompressed () {
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,
         "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
   }
 
-  /*! Returns the blocks of a geometry, valid until its next commit. Throws as throwNotCompressed() if it has none. */
+  /*! Blocks of a geometry, valid until its next commit. Throws RTC_ERROR_INVALID_OPERATION if it has none. */
   inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
   {
     const CompressibleGeometry* const compressible = asCompressible(geometry);

@@ -46,7 +46,7 @@ namespace cvert
     {
       const uint32_t front = (vertices*vertexBits + 7)/8;
       return vertices <= maxVertices && triangles <= maxTriangles && front <= maxFrontBytes &&
-              reused*bitsOfIndex <= maxReuseBits &&
+             reused*bitsOfIndex <= maxReuseBits &&
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 

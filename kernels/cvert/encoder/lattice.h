@@ -28,7 +28,7 @@ namespace cvert { inline namespace CVERT_ISA
    *  picture of the whole geometry. For objects of few, large quads. */
   static constexpr double spacingPerDiagonal = 1.0/32768;
 
-  /*! This bound is at least this fraction of the edge: residuals must fit into their fields. */
+  /*! Least value of this bound, as a fraction of the edge: residuals must fit into their fields. */
   static constexpr double minSpacingPerEdge = 1.0/96;
 
   /*! Spacing for an application's grids. On slopes of up to 45 degrees, rays that start 1/200 of an edge above the

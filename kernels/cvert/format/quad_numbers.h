@@ -59,8 +59,9 @@ CVERT_FUNCTION bool haveTrianglePairs (uint32_t numbering) { return (numbering &
 CVERT_FUNCTION bool isTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfTriangles) != 0u; }
 CVERT_FUNCTION bool isSingleTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfOneTriangle) != 0u; }
 CVERT_FUNCTION uint32_t packFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
-CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t numbering, bool isSecond) { return (numbering >> (isSecond ? 6
-  : 4)) & 3u; }
+CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t numbering, bool isSecond) {
+  return (numbering >> (isSecond ? 6 : 4)) & 3u;
+}
 
 /*! Number of quad x, y, minus VertHeader::primID. Requires a numbering without table. */
 CVERT_FUNCTION uint32_t patternNumber (uint32_t numbering, VertNumbers numbers, uint32_t x, uint32_t y)

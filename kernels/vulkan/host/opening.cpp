@@ -271,7 +271,8 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& s
   }
   if (best) return best;
   if (!unsupported.empty()) throw VulkanError(unsupportedError, "the Vulkan device " + unsupported);
-  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "there is no Vulkan device '" + selector + "', there are: " + known);
+  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("there is no Vulkan device ")
+                    + (isIndex ? "with index '" : "'") + selector + "', there are: " + known);
 }
 
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, const Capabilities& capabilities)

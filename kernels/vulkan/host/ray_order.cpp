@@ -66,7 +66,7 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
     stage(2, {0, from, to, counts, 0, tiles, 0, shift}, 1);
     stage(3, {0, from, to, counts, 0, count, 0, shift}, tiles);
   }
-  static_assert(orderPasses % 2 == 0, "the order ends at the begin of scratch");
+  static_assert(orderPasses % 2 == 0, "the last pass must write to the beginning of scratch");
 }
 
 }} // namespace embree::vulkan
