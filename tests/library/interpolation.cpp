@@ -179,7 +179,8 @@ TEST(Interpolation, UnsupportedFacesAreErrors)
       for (unsigned f = 0; f < numFaces; f += 1 + numFaces/20)
         if (c.isRefused) expectRefused(device, geometry, f, on, outOfBounds);
         else expectFinite(device, geometry, f, on);
-      expectRefused(device, geometry, numFaces, on, "the geometry has " + std::to_string(numFaces) + " faces");
+      for (unsigned f : {numFaces, RTC_INVALID_GEOMETRY_ID})
+        expectRefused(device, geometry, f, on, "the geometry has " + std::to_string(numFaces) + " faces");
     });
   }
 }

@@ -95,13 +95,13 @@ namespace embree
   {
     const SubdivMesh::Topology& topology = topologyOf(mesh,args);
     const int* const valid = (const int*) args->valid;
-    unsigned checked = RTC_INVALID_GEOMETRY_ID;
+    uint64_t checked = ~uint64_t(0); // no primID
     for (unsigned i=0; i<args->N; i++)
     {
       if (valid && valid[i] != -1) continue;
       if (args->primIDs[i] != checked) requireFace(mesh,topology,args->primIDs[i]);
       checked = args->primIDs[i];
-      requireSubPatch(topology,checked,args->u[i],args->v[i]);
+      requireSubPatch(topology,args->primIDs[i],args->u[i],args->v[i]);
     }
   }
 }
