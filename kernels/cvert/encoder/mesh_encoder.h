@@ -87,7 +87,7 @@ namespace cvert { inline namespace CVERT_ISA
   protected:
     struct Group
     {
-      uint32_t triangles, vertices, owned, restarts, repeats, others, firstVertex;
+      uint32_t triangles, vertices, owned, restarts, repeats, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
       uint64_t newMask;                                        //!< a bit per entry of the stream
       uint8_t firstCorners[maxGroupTriangles], repeated[3*maxGroupTriangles];
@@ -177,7 +177,7 @@ namespace cvert { inline namespace CVERT_ISA
       group.restartMask = strips.restarts;
       group.fanMask = strips.fans;
       group.firstVertex = numVertices;
-      group.vertices = group.owned = group.repeats = group.others = 0;
+      group.vertices = group.owned = group.repeats = 0;
       group.ownMask = 0;
       group.newMask = 0;
       uint8_t reached[maxGroupVertices+1];
