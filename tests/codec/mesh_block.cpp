@@ -392,6 +392,36 @@ TEST(MeshBlock, DifficultMeshesRoundTrip)
     }
 }
 
+// On coordinates of 23 bits: an inclined sheet whose shear moves the origin far, and a vertex below it.
+TEST(MeshBlock, LargeShearsRoundTrip)
+{
+  Random random(seed + 6);
+  auto encoder = std::make_unique<MeshEncoder>();
+  MeshStatistics statistics;
+  const uint32_t size = 15;
+  for (int i = 0; i < 60; i++) {
+    const double below = 0.01*i;
+    std::vector<Point> points;
+    for (uint32_t y = 0; y <= size; y++)
+      for (uint32_t x = 0; x <= size; x++) {
+        const double u = 0.999*x/size, v = 0.999*y/size, h = std::max(0.94*(u + v) - 0.93, 0.0);
+        points.push_back({float(1 + u), float(1 + v), float(1 + h + std::ldexp(random.below(64), -23))});
+      }
+    Mesh mesh;
+    for (uint32_t y = 0; y < size; y++)
+      for (uint32_t x = size - y; x < size; x++) {
+        const uint32_t a = y*(size + 1) + x, c = a + size + 1;
+        add(mesh, points[a], points[a + 1], points[c + 1], uint32_t(mesh.size()));
+        add(mesh, points[a], points[c + 1], points[c], uint32_t(mesh.size()));
+      }
+    add(mesh, {1.999f, 1.999f, float(1.9 - below)}, points[points.size() - 2], points.back(), uint32_t(mesh.size()));
+    expectMesh(*encoder, mesh, 16, statistics);
+    if (HasFatalFailure()) FAIL() << below;
+  }
+  EXPECT_GT(statistics.shearedBlocks, 0u);
+  EXPECT_LT(statistics.shearedBlocks, statistics.blocks);
+}
+
 TEST(MeshBlock, GroupsDecodeIndependently)
 {
   Random random(seed + 3);

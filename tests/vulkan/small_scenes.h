@@ -102,6 +102,22 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
   }
 }
 
+// Instances, static and moving, with a transform for which Embree leaves them out.
+inline void attachInvalidInstances(RTCDevice device, RTCScene scene, RTCScene inside)
+{
+  struct { int entry; float value; } changes[] = {{4, NAN}, {10, NAN}, {0, INFINITY}, {9, -INFINITY}, {8, 1e19f},
+    {11, 1e19f}, {3, 3e38f}};
+  for (const auto& change : changes)
+    for (unsigned timeSteps : {1u, 2u}) {
+      RTCGeometry instance = newInstance(device, inside, 0, timeSteps);
+      float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
+      transform[change.entry] = change.value;
+      rtcSetGeometryTransform(instance, timeSteps - 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+      rtcCommitGeometry(instance);
+      attach(scene, instance);
+    }
+}
+
 // Geometry 0 is a compressed surface around z = 0; geometry 1 is a triangle at z = 1 above one half of it.
 class SmallScene : public Scene
 {

@@ -158,6 +158,19 @@ TEST_F(VulkanMotion, MovingInstancesMatchCpu)
   sum.expect();
 }
 
+TEST_F(VulkanMotion, InvalidInstancesMatchCpu)
+{
+  Scene inside(embree), scene(embree);
+  addSurface(embree, inside, cubeCage(), settings(1));
+  rtcCommitScene(inside);
+  attachMovingInstances(embree, scene, inside, random);
+  attachInvalidInstances(embree, scene, inside);
+  rtcCommitScene(scene);
+  Agreement sum;
+  compare(scene, maskedTimedRays(random, 5000), sum);
+  sum.expect();
+}
+
 // A vertex that is not finite at one step, so that blocks are raw there.
 TEST_F(VulkanMotion, NonFiniteStepsMatchCpu)
 {

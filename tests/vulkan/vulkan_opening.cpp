@@ -74,6 +74,11 @@ TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
   DeviceOptions options;
   options.hasFloat64 = options.hasHostImport = false;
   vulkan = std::make_unique<ValidatedDevice>(options);
+  RTCVulkanDeviceHandles withImport = vulkan->handles;
+  withImport.hasHostImport = 1;
+  EXPECT_FALSE(open(withImport));
+  EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
+  embree.takeError();
   device = open(vulkan->handles);
   ASSERT_TRUE(device) << embree.message;
   const SmallScene leaf(embree), vert(embree, RTC_COMPRESSION_CVERT);

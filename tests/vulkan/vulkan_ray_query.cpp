@@ -209,6 +209,7 @@ TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
   rtcCommitScene(inside);
   addSurface(embree, scene, prismCage(5), settings(RTC_COMPRESSION_CVERT));
   attachMovingInstances(embree, scene, inside, random);
+  attachInvalidInstances(embree, scene, inside);
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = maskedTimedRays(random, 20000);
   for (size_t i = 0; i < rays.size(); i += 97) rays[i].ray.time = i % 2 ? NAN : INFINITY;

@@ -81,7 +81,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      // min: any power of two divides vertices that are all 0 on an axis
+      // min, because the step is large without reason on an axis where all vertices are 0
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }

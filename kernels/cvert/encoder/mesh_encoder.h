@@ -87,7 +87,7 @@ namespace cvert { inline namespace CVERT_ISA
   protected:
     struct Group
     {
-      uint32_t triangles, vertices, owned, restarts, repeats, others, firstVertex;
+      uint32_t triangles, vertices, owned, restarts, repeats, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
       uint64_t newMask;                                        //!< a bit per entry of the stream
       uint8_t firstCorners[maxGroupTriangles], repeated[3*maxGroupTriangles];
@@ -177,7 +177,7 @@ namespace cvert { inline namespace CVERT_ISA
       group.restartMask = strips.restarts;
       group.fanMask = strips.fans;
       group.firstVertex = numVertices;
-      group.vertices = group.owned = group.repeats = group.others = 0;
+      group.vertices = group.owned = group.repeats = 0;
       group.ownMask = 0;
       group.newMask = 0;
       uint8_t reached[maxGroupVertices+1];
@@ -312,16 +312,18 @@ namespace cvert { inline namespace CVERT_ISA
       if ((slopes[0] | slopes[1]) == 0) return;
       const uint32_t* const c1 = coordinates[(shearedAxis+1)%3], * const c2 = coordinates[(shearedAxis+2)%3];
       uint32_t* const c = coordinates[shearedAxis];
-      int least = 0x7FFFFFFF;
+      int least = 0x7FFFFFFF, most = 0; // sheared; not sheared
       for (uint32_t v=0; v<numVertices; v++) {
         const int sheared = int(c[v]) + ((slopes[0]*int(c1[v]) + slopes[1]*int(c2[v]) + 8) >> 4);
         other[v] = uint32_t(sheared);
         least = std::min(least,sheared);
+        most = std::max(most,int(c[v]));
       }
       // sheared coordinates begin at 0
       for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
       const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
-      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) {
+      // coordinates relative to the moved origin, and the origin itself, must be exact in float
+      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || most-least > 1 << 24 || double(float(moved)) != moved) {
         slopes[0] = slopes[1] = 0; return;
       }
       origin[shearedAxis] = float(moved);

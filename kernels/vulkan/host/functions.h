@@ -52,11 +52,14 @@ struct InstanceFunctions
 #undef CBVH_LOAD
   }
 
-  static void check(PFN_vkVoidFunction function, const char* name)
+  static constexpr const char* vulkan12 = "Vulkan 1.2 is needed";
+
+  /* needed: ends the message. */
+  static void check(PFN_vkVoidFunction function, const char* name, const char* needed = vulkan12)
   {
     if (!function)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION,
-                        std::string("Vulkan's loader or driver has no ") + name + ": Vulkan 1.2 is needed");
+                        std::string("Vulkan's loader or driver has no ") + name + ": " + needed);
   }
 };
 
@@ -73,15 +76,14 @@ struct DeviceFunctions
   {
 #define CBVH_LOAD(NAME) \
     NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); \
-    InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+    InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME, needed);
+    const char* needed = InstanceFunctions::vulkan12;
     CBVH_DEVICE_FUNCTIONS(CBVH_LOAD)
+    needed = "hasRayQuery requires a device with VK_KHR_acceleration_structure enabled";
     if (hasRayQuery) { CBVH_STRUCTURE_FUNCTIONS(CBVH_LOAD) }
+    needed = "hasHostImport requires a device with VK_EXT_external_memory_host enabled";
+    if (hasHostImport) { CBVH_LOAD(GetMemoryHostPointerPropertiesEXT) }
 #undef CBVH_LOAD
-    if (!hasHostImport) return;
-    GetMemoryHostPointerPropertiesEXT = PFN_vkGetMemoryHostPointerPropertiesEXT(
-      getDeviceProcAddr(device, "vkGetMemoryHostPointerPropertiesEXT"));
-    InstanceFunctions::check(PFN_vkVoidFunction(GetMemoryHostPointerPropertiesEXT),
-                             "vkGetMemoryHostPointerPropertiesEXT, whose extension is said to be enabled");
   }
 };
 

@@ -152,13 +152,13 @@ std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bound
 
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
 {
-  uint64_t sum = 0xcbf29ce484222325;
+  uint64_t hash = 0xcbf29ce484222325;
   for (const VkAabbPositionsKHR& box : boxes) {
     uint32_t words[6];
     std::memcpy(words, &box, sizeof(words));
-    for (uint32_t word : words) sum = (sum ^ word)*0x100000001b3;
+    for (uint32_t word : words) hash = (hash ^ word)*0x100000001b3;
   }
-  return {boxes.size(), sum};
+  return {boxes.size(), hash};
 }
 
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,

@@ -41,7 +41,7 @@ bool isVertexInRange(const float* p)
 }
 
 /* World-space bounds, over all times, of a box in an instance's space. Transforming its corners at each step suffices,
- * because they move linearly in between. */
+ * because they move linearly in between. Empty if a corner is not in range. */
 Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
@@ -53,6 +53,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
         p[k] = m[9 + k];
         for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? upper[axis] : lower[axis]);
       }
+      if (!isVertexInRange(p)) return Bounds::empty();
       out.extend(p);
     }
   /* Margin for rounding errors of this transform, and of the inverse one, which transforms rays. Errors exceed it if
@@ -63,6 +64,13 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
     out.upper[k] += slack;
   }
   return out;
+}
+
+/* The same of the whole instance. Embree does not trace instances for which they are empty. */
+Bounds worldBounds(const FlatGeometry& instance)
+{
+  return instance.lower[0] <= instance.upper[0] ? worldBounds(instance, instance.lower, instance.upper)
+                                                : Bounds::empty();
 }
 
 /* For static instances: true if the driver can invert the transform, as it must to transform rays. */
@@ -202,10 +210,11 @@ private:
     for (size_t i = 0; i < flat.numGeometries; i++) {
       const FlatGeometry& geometry = flat.geometries[i];
       if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
-      if (geometry.type != FLAT_INSTANCE || !(geometry.lower[0] <= geometry.upper[0])) continue;
+      if (geometry.type != FLAT_INSTANCE) continue;
+      const Bounds bounds = worldBounds(geometry);
+      if (bounds.isEmpty()) continue;
       out.statistics.numInstances++;
-      instances.push_back({worldBounds(geometry, geometry.lower, geometry.upper), uint32_t(i),
-                           RTC_INVALID_GEOMETRY_ID});
+      instances.push_back({bounds, uint32_t(i), RTC_INVALID_GEOMETRY_ID});
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(input.scene));
     copyNodes(flat, s);
@@ -375,7 +384,7 @@ private:
     for (size_t i = 0; i < top.numGeometries; i++)
     {
       const FlatGeometry& instance = top.geometries[i];
-      if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
+      if (instance.type != FLAT_INSTANCE || worldBounds(instance).isEmpty()) continue;
       const size_t s = inputIndex.at(instance.instanced);
       if (instance.numTimeSteps == 1 && !isInvertible(instance)) continue;
       for (const SceneBoxes& sceneBoxes : boxesOfInputs[s])

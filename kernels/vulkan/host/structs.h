@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Structs of rtcore_vulkan.h that may grow (core/struct_size.h). The member is the last one of the struct's first
- * version. This library compiles core/struct_size.cpp, which libembree3 does not export. */
+/* Structs of rtcore_vulkan.h that may grow, and the last member of each in its first version (core/struct_size.h). This
+ * library compiles core/struct_size.cpp, because libembree3 does not export it. */
 
 #include "kernels/cbvh/core/struct_size.h"
 

@@ -40,12 +40,12 @@ private:
   const std::shared_ptr<Buffer> memory;
 };
 
-/* Identifies a bottom level by its boxes. */
+/* Identifies a bottom level by the number and a hash of its boxes. */
 struct BoxesKey
 {
-  uint64_t count, sum;   // sum: hash of the boxes
+  uint64_t count, hash;
   bool operator<(const BoxesKey& other) const {
-    return count < other.count || (count == other.count && sum < other.sum);
+    return count < other.count || (count == other.count && hash < other.hash);
   }
 };
 
