@@ -126,9 +126,11 @@ namespace embree
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
         this->borders = borders;
-        int exponent = chooseExponent();
+        double medianEdge = 0;
+        int exponent = chooseExponent(medianEdge);
         while (flipsMost(exponent)) exponent = max(exponent-cbvh::MeshLattice::finerBits,cbvh::losslessExponent);
         spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
+        if (plan.settings.maxError > 0) warnIfCoarse(device,spacingOfLattice,medianEdge);
         for (unsigned step=0; step<plan.numTimeSteps; step++)
           lattices.emplace_back(new cbvh::MeshLattice(exponent));
         if (plan.moves()) welded = mesh.weld();
@@ -242,8 +244,8 @@ namespace embree
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
-      /*! Chooses the lattice's exponent from the edges of a sample of triangles. */
-      int chooseExponent ()
+      /*! Chooses the lattice's exponent from the edges of a sample of triangles, and sets their median. */
+      int chooseExponent (double& medianEdge) const
       {
         LatticeChoice choice(cbvh::spacingPerMeshEdge);
         const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
@@ -259,7 +261,7 @@ namespace embree
           }
         }
         const int exponent = choice.exponent(plan,0.0);
-        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.medianEdge());
+        medianEdge = choice.medianEdge();
         return exponent;
       }
 
