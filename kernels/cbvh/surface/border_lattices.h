@@ -52,6 +52,10 @@ namespace embree
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
+      /*! Extends the bounds for maxPixelError, which contain the vertices of lines anyway. */
+      void extendBounds (const cbvh::WorldBounds& other) { bounds.extend(other); }
+      void extendBounds (const float p[3]) { if (cbvh::isFinite(p)) bounds.extend(p[0],p[1],p[2]); }
+
       /*! Returns the exponent of the lattice's spacing, or losslessExponent. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
@@ -72,8 +76,7 @@ namespace embree
 
     private:
       /*! Returns the smaller spacing that max_error and maxPixelError request, or the default. maxPixelError
-       *  applies at the distance from the camera to the samples' bounding box, enlarged by a quarter per side for other
-       *  vertices. */
+       *  applies at the distance from the camera to the bounds, enlarged by a quarter per side for other vertices. */
       double requestedSpacing (const CompressionPlan& plan, double defaultSpacing) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -83,7 +86,7 @@ namespace embree
           double distance2 = 0;
           for (int k=0; k<3; k++)
           {
-            double lower = INFINITY, upper = -INFINITY;
+            double lower = bounds.lower[k], upper = bounds.upper[k];
             for (const auto& along : samples)
               for (const cbvh::EdgeSample& s : along) { lower = min(lower,s.lower[k]); upper = max(upper,s.upper[k]); }
             const double margin = 0.25*(upper-lower), c = settings.cameraPosition[k];
@@ -100,6 +103,7 @@ namespace embree
       const double spacingPerEdge;
       double lowerMedian = 0;
       cbvh::EdgeSample samples[2][2];   //!< [along u, v][at the patch's rate, on coarse borders]
+      cbvh::WorldBounds bounds;
       unsigned minQuads[2] = { ~0u,~0u };
     };
 

@@ -260,9 +260,35 @@ namespace embree
             choice.addLine(true,line,4);
           }
         }
+        if (plan.settings.maxPixelError > 0) choice.extendBounds(boundsOfAll());
         const int exponent = choice.exponent(plan,0.0);
         medianEdge = choice.medianEdge();
         return exponent;
+      }
+
+      /*! Bounds of the valid primitives at all steps. */
+      cbvh::WorldBounds boundsOfAll () const
+      {
+        return reduceRanges(numPrimitives(),perTask,cbvh::WorldBounds(),[&](const range<size_t>& r) {
+            cbvh::WorldBounds bounds;
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              for (uint32_t k=0; k<mesh.trianglesPerPrimitive; k++)
+              {
+                const float* p[3];
+                unsigned vertices[3];
+                if (!mesh.corners(mesh.triangleOf(primitiveAt(i),k),p,vertices)) break;
+                for (unsigned step=0; step<plan.numTimeSteps; step++)
+                  for (unsigned v : vertices) {
+                    const float* const at = mesh.vertex(step,v);
+                    bounds.extend(at[0],at[1],at[2]);
+                  }
+              }
+            return bounds;
+          },[](const cbvh::WorldBounds& a, const cbvh::WorldBounds& b) {
+            cbvh::WorldBounds both = a;
+            both.extend(b);
+            return both;
+          });
       }
 
       /*! True if a lattice flips more than half of a sample of triangles: finding exceptions would take longer than the
