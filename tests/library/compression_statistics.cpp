@@ -306,6 +306,16 @@ TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex)
   for (const Vec& p : {peak, Vec{21, 20, 98}, Vec{20, 21, 98}}) mesh.vertices.push_back(p);
   mesh.triangles.insert(mesh.triangles.begin() + 1, {first, first + 1, first + 2});
   EXPECT_LE(spacing(newMesh(device, mesh)), 0.001f) << "triangles";
+  for (float rate : {8.0f, 64.0f}) {
+    SurfaceSettings settings;
+    settings.rate = rate;
+    RTCGeometry cage = newSurface(device, quadCage(64), settings);
+    rtcSetGeometryDisplacementFunction(cage, [](const RTCDisplacementFunctionNArguments* args) {
+      for (unsigned i = 0; i < args->N; i++)
+        if (std::hypot(args->P_x[i] - 20, args->P_y[i] - 20) < 6) args->P_z[i] = 99;
+    });
+    EXPECT_LE(spacing(cage), 0.001f) << "cage, rate " << rate;
+  }
 }
 
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)

@@ -104,6 +104,7 @@ namespace embree
               const PatchLines::Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
               choice.addLine(alongU,line.vertices,line.count);
             }
+            if (plan.settings.maxPixelError > 0) extendBounds(base,quads,evaluator,choice);
           });
         return true;
       }
@@ -194,6 +195,17 @@ namespace embree
               float* const all = cachedVertices(f,patch.subPatch,step)[0];
               std::fill(all,all + 3*verticesOf(patch),std::numeric_limits<float>::quiet_NaN());
             });
+      }
+
+      /*! Extends the bounds for maxPixelError by all vertices of a patch, which costs as much as encoding it. */
+      void extendBounds (const SubdivPatch1Base& base, const unsigned quads[2], PatchEvaluator& evaluator,
+                         LatticeChoice& choice) const
+      {
+        const unsigned rows = 16; // per part, to limit the memory
+        for (unsigned y=0; y<=quads[1]; y+=rows) {
+          evaluator.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],y,min(y+rows-1,quads[1]) });
+          for (size_t i=0; i<evaluator.width*evaluator.height; i++) choice.extendBounds(evaluator.displaced()[i]);
+        }
       }
 
       /*! Stores the points of side s that the face owns. line: fine+1 vertices along u or v. */
