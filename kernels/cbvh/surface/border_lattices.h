@@ -15,8 +15,9 @@
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by points of the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
- *       Adds the borders and middles of the primitive's patches. Returns false if it has no vertices at that step.
- *       Called once per primitive and step, in the order of steps, so that it may store vertices for later.
+ *       Adds the borders and middles of the primitive's patches, and for maxPixelError the bounds of all vertices.
+ *       Returns false if it has no vertices at that step. Called once per primitive and step, in the order of steps, so
+ *       that it may store vertices.
  *   void forEachShared (size_t primitive, closure(size_t element))
  *       Calls closure for each element that the primitive may share with others. An element is the index of a corner,
  *       of the interior of an edge, or of a vertex. Its vertices have one lattice. */
@@ -52,7 +53,7 @@ namespace embree
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! Extends the bounds for maxPixelError, which contain the vertices of lines anyway. */
+      /*! Extends the bounds for maxPixelError, which contain all lines. */
       void extendBounds (const cbvh::WorldBounds& other) { bounds.extend(other); }
       void extendBounds (const float p[3]) { if (cbvh::isFinite(p)) bounds.extend(p[0],p[1],p[2]); }
 

@@ -10,9 +10,10 @@
  * An n-gon (a face without four corners) has a patch at each corner. Only these patches share its center and the spokes
  * from there to the middles of its edges.
  *
- * Borders and middle lines of patches are evaluated before any patch is encoded, and again with their patch: 9% of all
- * vertices at 64 x 64 quads. Owned vertices, 3%, take 12 bytes each until all patches are encoded. Evaluating the
- * border of a small patch costs as much as the whole patch, so small surfaces cache all vertices for their blocks. */
+ * Borders and middle lines of patches (all vertices for maxPixelError) are evaluated before any patch is encoded, and
+ * again with their patch: 9% of all vertices at 64 x 64 quads. Owned vertices, 3%, take 12 bytes each until all patches
+ * are encoded. Evaluating the border of a small patch costs as much as the whole patch, so small surfaces cache all
+ * vertices for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -197,7 +198,7 @@ namespace embree
             });
       }
 
-      /*! Extends the bounds for maxPixelError by all vertices of a patch, which costs as much as encoding it. */
+      /*! Extends the bounds for maxPixelError by all vertices of a patch. */
       void extendBounds (const SubdivPatch1Base& base, const unsigned quads[2], PatchEvaluator& evaluator,
                          LatticeChoice& choice) const
       {
