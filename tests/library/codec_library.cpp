@@ -326,6 +326,20 @@ TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
   EXPECT_EQ(statisticsWith(cvert::FILE_TREE).topLevelBytes, statisticsWith(cvert::FILE_LIST).topLevelBytes);
 }
 
+TEST(CodecLibrary, TreeWithoutNodesIsRejected)
+{
+  Folder folder;
+  cvert::FileSurface surface;
+  surface.record = Sheet(1).surface.record;
+  surface.record.form = cvert::FILE_TREE;
+  try {
+    cvert::FileWriter(folder/"tree").add(surface);
+    FAIL() << "no error";
+  } catch (const cvert::Error& error) {
+    EXPECT_STREQ(error.what(), "the geometry cannot be saved: its tree has no nodes: expected at least one");
+  }
+}
+
 // The block is valid, and builders of trees need its box.
 TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
 {

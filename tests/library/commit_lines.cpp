@@ -278,5 +278,26 @@ TEST(CoarseLattice, IsReportedOnce)
   EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1", false).find("max_error selects"), std::string::npos);
 }
 
+// Mesh blocks have a finer lattice if the requested one would flip most triangles.
+TEST(CoarseLattice, IsTheOneOfTheMeshBlocks)
+{
+  Random random(2);
+  const DicedMesh mesh = irregularTriangles(meshOf(dicedSheet(2, 32), QuadOrder::Rows, random), random);
+  const std::string start = "max_error selects a spacing of ";
+  for (const char* error : {"0.05", "0.1", "0.5", "2"}) {
+    SCOPED_TRACE(error);
+    testing::internal::CaptureStderr();
+    float spacing;
+    {
+      const Device device(("verbose=1,cbvh_max_error=" + std::string(error)).c_str());
+      spacing = statisticsOf(MeshScene(device, mesh)).maxVertexSpacing;
+    }
+    const std::string text = testing::internal::GetCapturedStderr();
+    const size_t at = text.find(start);
+    if (at != std::string::npos) EXPECT_EQ(std::stof(text.substr(at + start.size())), spacing);
+    else EXPECT_LT(spacing, 0.01f);
+  }
+}
+
 } // namespace
 } // namespace cbvh::test

@@ -269,6 +269,55 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
   }
 }
 
+// A peak next to the camera of maxPixelError. Lattices are chosen from a sample of the vertices, without the peak.
+TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex)
+{
+  Device device;
+  Random random(13);
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = RTC_COMPRESSION_CVERT;
+  args.maxPixelError = 1;
+  args.pixelSize = 0.001f;
+  const Vec peak = {20, 20, 99};
+  std::copy(peak.begin(), peak.end(), args.cameraPosition);
+  args.cameraPosition[2] += 1;
+  const auto spacing = [&](RTCGeometry geometry) {
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    Scene scene(device);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+    EXPECT_EQ(stats.numUncompressedQuads, 0u);
+    return stats.maxVertexSpacing;
+  };
+  Diced sheet;
+  sheet.add(65, 65, [&](unsigned x, unsigned y) {
+    return x == 20 && y == 20 ? peak : Vec{float(x), float(y), 0.001f*((x*7 + y*3) % 5)};
+  });
+  EXPECT_LE(spacing(newGrids(device, sheet)), 0.001f) << "grid";
+  EXPECT_LE(spacing(newMesh(device, meshOf(sheet, QuadOrder::Rows, random))), 0.001f) << "quads";
+  Diced large; // more triangles than the sample has
+  large.add(300, 300, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0.001f*((x*7 + y*3) % 5)}; });
+  DicedMesh mesh = irregularTriangles(meshOf(large, QuadOrder::Rows, random), random);
+  const unsigned first = unsigned(mesh.vertices.size());
+  for (const Vec& p : {peak, Vec{21, 20, 98}, Vec{20, 21, 98}}) mesh.vertices.push_back(p);
+  mesh.triangles.insert(mesh.triangles.begin() + 1, {first, first + 1, first + 2});
+  EXPECT_LE(spacing(newMesh(device, mesh)), 0.001f) << "triangles";
+  for (float rate : {8.0f, 64.0f}) {
+    SurfaceSettings settings;
+    settings.rate = rate;
+    RTCGeometry cage = newSurface(device, quadCage(64), settings);
+    rtcSetGeometryDisplacementFunction(cage, [](const RTCDisplacementFunctionNArguments* args) {
+      for (unsigned i = 0; i < args->N; i++)
+        if (std::hypot(args->P_x[i] - 20, args->P_y[i] - 20) < 6) args->P_z[i] = 99;
+    });
+    EXPECT_LE(spacing(cage), 0.001f) << "cage, rate " << rate;
+  }
+}
+
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0

@@ -222,7 +222,6 @@ namespace embree
         return numFinite;
       }
 
-    private:
       bool allFinite = false;
       Double3* fitScratch;      //!< memory for fitFrame()
       float (*finiteCopies)[3]; //!< the finite vertices, if some are not

@@ -15,8 +15,9 @@
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by points of the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
- *       Adds the borders and middles of the primitive's patches. Returns false if it has no vertices at that step.
- *       Called once per primitive and step, in the order of steps, so that it may store vertices for later.
+ *       Adds the borders and middles of the primitive's patches, and for maxPixelError the bounds of all vertices.
+ *       Returns false if it has no vertices at that step. Called once per primitive and step, in the order of steps, so
+ *       that it may store vertices.
  *   void forEachShared (size_t primitive, closure(size_t element))
  *       Calls closure for each element that the primitive may share with others. An element is the index of a corner,
  *       of the interior of an edge, or of a vertex. Its vertices have one lattice. */
@@ -52,6 +53,10 @@ namespace embree
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
+      /*! Extends the bounds for maxPixelError, which contain all lines. */
+      void extendBounds (const cbvh::WorldBounds& other) { bounds.extend(other); }
+      void extendBounds (const float p[3]) { if (cbvh::isFinite(p)) bounds.extend(p[0],p[1],p[2]); }
+
       /*! Returns the exponent of the lattice's spacing, or losslessExponent. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
@@ -72,8 +77,7 @@ namespace embree
 
     private:
       /*! Returns the smaller spacing that max_error and maxPixelError request, or the default. maxPixelError
-       *  applies at the distance from the camera to the samples' bounding box, enlarged by a quarter per side for other
-       *  vertices. */
+       *  applies at the distance from the camera to the bounds, enlarged by a quarter per side for other vertices. */
       double requestedSpacing (const CompressionPlan& plan, double defaultSpacing) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -83,7 +87,7 @@ namespace embree
           double distance2 = 0;
           for (int k=0; k<3; k++)
           {
-            double lower = INFINITY, upper = -INFINITY;
+            double lower = bounds.lower[k], upper = bounds.upper[k];
             for (const auto& along : samples)
               for (const cbvh::EdgeSample& s : along) { lower = min(lower,s.lower[k]); upper = max(upper,s.upper[k]); }
             const double margin = 0.25*(upper-lower), c = settings.cameraPosition[k];
@@ -100,6 +104,7 @@ namespace embree
       const double spacingPerEdge;
       double lowerMedian = 0;
       cbvh::EdgeSample samples[2][2];   //!< [along u, v][at the patch's rate, on coarse borders]
+      cbvh::WorldBounds bounds;
       unsigned minQuads[2] = { ~0u,~0u };
     };
 

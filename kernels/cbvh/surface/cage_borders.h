@@ -10,9 +10,10 @@
  * An n-gon (a face without four corners) has a patch at each corner. Only these patches share its center and the spokes
  * from there to the middles of its edges.
  *
- * Borders and middle lines of patches are evaluated before any patch is encoded, and again with their patch: 9% of all
- * vertices at 64 x 64 quads. Owned vertices, 3%, take 12 bytes each until all patches are encoded. Evaluating the
- * border of a small patch costs as much as the whole patch, so small surfaces cache all vertices for their blocks. */
+ * Borders and middle lines of patches (all vertices for maxPixelError) are evaluated before any patch is encoded, and
+ * again with their patch: 9% of all vertices at 64 x 64 quads. Owned vertices, 3%, take 12 bytes each until all patches
+ * are encoded. Evaluating the border of a small patch costs as much as the whole patch, so small surfaces cache all
+ * vertices for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -104,6 +105,7 @@ namespace embree
               const PatchLines::Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
               choice.addLine(alongU,line.vertices,line.count);
             }
+            if (plan.settings.maxPixelError > 0) extendBounds(base,quads,evaluator,choice);
           });
         return true;
       }
@@ -194,6 +196,17 @@ namespace embree
               float* const all = cachedVertices(f,patch.subPatch,step)[0];
               std::fill(all,all + 3*verticesOf(patch),std::numeric_limits<float>::quiet_NaN());
             });
+      }
+
+      /*! Extends the bounds for maxPixelError by all vertices of a patch. */
+      void extendBounds (const SubdivPatch1Base& base, const unsigned quads[2], PatchEvaluator& evaluator,
+                         LatticeChoice& choice) const
+      {
+        const unsigned rows = 16; // per part, to limit the memory
+        for (unsigned y=0; y<=quads[1]; y+=rows) {
+          evaluator.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],y,min(y+rows-1,quads[1]) });
+          for (size_t i=0; i<evaluator.width*evaluator.height; i++) choice.extendBounds(evaluator.displaced()[i]);
+        }
       }
 
       /*! Stores the points of side s that the face owns. line: fine+1 vertices along u or v. */

@@ -140,6 +140,9 @@ namespace embree
               memcpy(line[i],position(d == 0 ? grid.vertex(i,across) : grid.vertex(across,i),step),sizeof(*line));
             choice.addLine(d == 0,line,grid.quads(d)+1);
           }
+        if (plan.settings.maxPixelError > 0)
+          for (unsigned y=0; y<grid.height; y++)
+            for (unsigned x=0; x<grid.width; x++) choice.extendBounds(position(grid.vertex(x,y),step));
         return true;
       }
 

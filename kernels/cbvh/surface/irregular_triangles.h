@@ -126,9 +126,11 @@ namespace embree
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
         this->borders = borders;
-        int exponent = chooseExponent();
+        double medianEdge = 0;
+        int exponent = chooseExponent(medianEdge);
         while (flipsMost(exponent)) exponent = max(exponent-cbvh::MeshLattice::finerBits,cbvh::losslessExponent);
         spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
+        if (plan.settings.maxError > 0) warnIfCoarse(device,spacingOfLattice,medianEdge);
         for (unsigned step=0; step<plan.numTimeSteps; step++)
           lattices.emplace_back(new cbvh::MeshLattice(exponent));
         if (plan.moves()) welded = mesh.weld();
@@ -242,8 +244,8 @@ namespace embree
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
-      /*! Chooses the lattice's exponent from the edges of a sample of triangles. */
-      int chooseExponent ()
+      /*! Chooses the lattice's exponent from the edges of a sample of triangles, and sets their median. */
+      int chooseExponent (double& medianEdge) const
       {
         LatticeChoice choice(cbvh::spacingPerMeshEdge);
         const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
@@ -258,9 +260,35 @@ namespace embree
             choice.addLine(true,line,4);
           }
         }
+        if (plan.settings.maxPixelError > 0) choice.extendBounds(boundsOfAll());
         const int exponent = choice.exponent(plan,0.0);
-        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.medianEdge());
+        medianEdge = choice.medianEdge();
         return exponent;
+      }
+
+      /*! Bounds of the valid primitives at all steps. */
+      cbvh::WorldBounds boundsOfAll () const
+      {
+        return reduceRanges(numPrimitives(),perTask,cbvh::WorldBounds(),[&](const range<size_t>& r) {
+            cbvh::WorldBounds bounds;
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              for (uint32_t k=0; k<mesh.trianglesPerPrimitive; k++)
+              {
+                const float* p[3];
+                unsigned vertices[3];
+                if (!mesh.corners(mesh.triangleOf(primitiveAt(i),k),p,vertices)) break;
+                for (unsigned step=0; step<plan.numTimeSteps; step++)
+                  for (unsigned v : vertices) {
+                    const float* const at = mesh.vertex(step,v);
+                    bounds.extend(at[0],at[1],at[2]);
+                  }
+              }
+            return bounds;
+          },[](const cbvh::WorldBounds& a, const cbvh::WorldBounds& b) {
+            cbvh::WorldBounds both = a;
+            both.extend(b);
+            return both;
+          });
       }
 
       /*! True if a lattice flips more than half of a sample of triangles: finding exceptions would take longer than the

@@ -30,8 +30,8 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! True if a moving geometry that requests compression is compressed: as cVERT, so a request for another kind
-       *  counts only if fallback faces are allowed. */
+      /*! True if a moving geometry that requests compression is compressed. It is stored as cVERT, so other requests
+       *  need the setting fallback_faces. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);

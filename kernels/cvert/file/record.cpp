@@ -52,8 +52,9 @@ namespace cvert
     if (g.compression < FILE_COMPRESSION_GRID || g.compression > FILE_COMPRESSION_VERT)
       return Reason::damaged("compression % is unknown: expected 2 to 5",g.compression);
     const size_t entryBytes = g.form == FILE_TREE ? sizeof(FileNode) : sizeof(FileEntry);
-    if (g.treeBytes % entryBytes != 0 || (g.form == FILE_TREE && g.treeBytes == 0))
+    if (g.treeBytes % entryBytes != 0)
       return Reason::damaged("its tree has % bytes: expected a multiple of %",g.treeBytes,entryBytes);
+    if (g.form == FILE_TREE && g.treeBytes == 0) return Reason::damaged("its tree has no nodes: expected at least one");
     if (g.numBlocks > g.treeBytes/entryBytes*(g.form == FILE_TREE ? 4 : 1))
       return Reason::damaged("its tree of % bytes has too few leaves for % blocks",g.treeBytes,g.numBlocks);
     const bool moves = g.form == FILE_MOVING;

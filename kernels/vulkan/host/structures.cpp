@@ -168,9 +168,9 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
   {
     if (request.level || buildOf.count(request.key)) continue;
     if (request.key.count > device.capabilities.maxBoxes)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(request.key.count)
-                        + " blocks, and the device's maxPrimitiveCount is "
-                        + std::to_string(device.capabilities.maxBoxes));
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "ray queries need a structure of "
+                        + std::to_string(request.key.count) + " boxes: expected at most "
+                        + std::to_string(device.capabilities.maxBoxes) + ", the device's maxPrimitiveCount");
     Build build = Build();
     build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
     build.geometry = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
