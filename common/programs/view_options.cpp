@@ -40,6 +40,24 @@ Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints
   return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
 }
 
+/* Positions of the vertices that faces use; of all vertices if there are no faces. */
+std::vector<Vec3f> positionsOfFaces(const Model& model)
+{
+  std::vector<Vec3f> positions = model.positions();
+  if (model.cage.faceIndices.empty())
+    return positions;
+  const size_t numVertices = model.cage.positions.size();
+  std::vector<char> isUsed(numVertices);
+  for (unsigned vertex : model.cage.faceIndices)
+    isUsed[vertex] = 1;
+  size_t used = 0;
+  for (size_t i = 0; i < positions.size(); i++)
+    if (isUsed[i % numVertices])
+      positions[used++] = positions[i];
+  positions.resize(used);
+  return positions;
+}
+
 /* The box of an empty scene is infinite. */
 bool hasSurface(const Box3f& bounds) { return isFinite(bounds.lower) && isFinite(bounds.upper); }
 
@@ -125,7 +143,7 @@ Camera parseView(const std::string& text, Vec3f up, ImageSize size)
 
 Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hints, float fov, ImageSize size)
 {
-  const std::vector<Vec3f> positions = model.positions();
+  const std::vector<Vec3f> positions = positionsOfFaces(model);
   Box3f cage;
   for (const Vec3f& p : positions)
     cage.extend(p);

@@ -30,7 +30,8 @@ Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
     return rotated(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
   /* Legs swing about the hip, along the longer horizontal axis. */
   const bool isLong = size.x > size.z;
-  const float side = isLong ? (p.z - middle.z) / size.z : (p.x - middle.x) / size.x; // -0.5 to 0.5
+  const float width = std::max(isLong ? size.z : size.x, 1e-20f);
+  const float side = (isLong ? p.z - middle.z : p.x - middle.x) / width; // -0.5 to 0.5
   const float below = std::clamp((0.5f - height) / 0.3f, 0.0f, 1.0f);
   const float swing = below * below * (3 - 2 * below) * std::clamp(6 * side, -1.0f, 1.0f);
   const Vec3f hip{middle.x, bounds.lower.y + 0.5f * size.y, middle.z};

@@ -5,11 +5,12 @@
 
 namespace cbvh {
 
+/* Exporters also write vertices without faces, such as helper points. */
 Box3f Cage::bounds() const
 {
   Box3f box;
-  for (const Vec3f& p : positions)
-    box.extend(p);
+  for (unsigned vertex : faceIndices)
+    box.extend(positions[vertex]);
   return box;
 }
 

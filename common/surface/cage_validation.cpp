@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cbvh {
@@ -133,25 +135,23 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
   std::vector<std::vector<unsigned>> rings;
-  std::vector<int> waiting(level.GetVertexFaces(vertex).begin(), level.GetVertexFaces(vertex).end());
+  const Far::ConstIndexArray all = level.GetVertexFaces(vertex);
+  std::set<int> waiting(all.begin(), all.end());
   while (!waiting.empty())
   {
-    std::vector<int> ring{waiting.back()};
-    waiting.pop_back();
+    std::vector<unsigned> ring{unsigned(*waiting.begin())};
+    waiting.erase(waiting.begin());
     for (size_t i = 0; i < ring.size(); i++)
-      for (int edge : level.GetVertexEdges(vertex))
+      for (int edge : level.GetFaceEdges(int(ring[i])))
       {
-        const Far::ConstIndexArray sides = level.GetEdgeFaces(edge);
-        if (level.IsEdgeNonManifold(edge) || std::find(sides.begin(), sides.end(), ring[i]) == sides.end())
+        const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
+        if (level.IsEdgeNonManifold(edge) || (ends[0] != vertex && ends[1] != vertex))
           continue;
-        for (int face : sides)
-          if (const auto found = std::find(waiting.begin(), waiting.end(), face); found != waiting.end())
-          {
-            ring.push_back(face);
-            waiting.erase(found);
-          }
+        for (int face : level.GetEdgeFaces(edge))
+          if (waiting.erase(face))
+            ring.push_back(unsigned(face));
       }
-    rings.emplace_back(ring.begin(), ring.end());
+    rings.push_back(std::move(ring));
   }
   return rings;
 }
@@ -188,9 +188,10 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
                   " around it, which are left out: Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
     }
   }
-  if (cage.holes.size() == cage.numFaces())
-    throw Error(cage.name + ": no face is left: Embree supports at most " + std::to_string(maxFaceVertices) +
-                " vertices per face and " + std::to_string(maxVertexFaces) + " faces around a vertex");
+  if (std::find(isHole.begin(), isHole.end(), 0) == isHole.end())
+    throw Error(cage.name + ": no face is left: all are holes or exceed Embree's limits of " +
+                std::to_string(maxFaceVertices) + " vertices per face and " + std::to_string(maxVertexFaces) +
+                " faces around a vertex; expected at least one other face");
 }
 
 } // namespace

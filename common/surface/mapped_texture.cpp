@@ -124,7 +124,7 @@ private:
     }
   }
 
-  /* At seams the sides have different coordinates or tiles. */
+  /* At seams the sides have different coordinates or tiles. One comparison per side, as vertices may have many. */
   void findSeams(const Cage& cage)
   {
     const auto same = [&](unsigned faceA, size_t a, unsigned faceB, size_t b) {
@@ -135,8 +135,11 @@ private:
       for (unsigned i = 0, n = faceBorders.size(face); i < n; i++)
       {
         const size_t c = faceBorders.corner(face, i);
-        for (const FaceBorders::Side& s : faceBorders.cornersAtVertex(face, i))
-          cornerDiffers[c] |= !same(face, c, s.face, faceBorders.corner(s.face, s.edge));
+        const std::vector<FaceBorders::Side>& atVertex = faceBorders.cornersAtVertex(face, i);
+        const FaceBorders::Side& some = atVertex.front();
+        if (!cornerDiffers[c] && !same(face, c, some.face, faceBorders.corner(some.face, some.edge)))
+          for (const FaceBorders::Side& s : atVertex)
+            cornerDiffers[faceBorders.corner(s.face, s.edge)] = 1;
         for (const FaceBorders::Side& s : faceBorders.sidesOfEdge(face, i))
         {
           size_t first = faceBorders.corner(s.face, s.edge);

@@ -45,6 +45,8 @@ void makeQuads(Cage& cage, const std::string& path)
       indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
     first += size;
   }
+  if (indices.empty())
+    throw Error(path + ": all faces are holes: expected at least one other face");
   cage.faceIndices = std::move(indices);
   cage.faceSizes.assign(cage.faceIndices.size() / 4, 4);
   cage.uvs.clear();

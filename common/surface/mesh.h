@@ -11,7 +11,8 @@
 
 namespace cbvh {
 
-/* Gives each face 4 vertices; triangles repeat the last one. Removes holes. Throws Error for larger faces. */
+/* Gives each face 4 vertices; triangles repeat the last one. Removes holes. Throws Error for larger faces, and if no
+ * face remains. */
 void makeQuads(Cage& cage, const std::string& path);
 
 /* Requires a mesh of makeQuads. */

@@ -20,6 +20,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -100,6 +101,14 @@ private:
     throw Error(name + ":" + std::to_string(lineNumber) + ": " + what);
   }
 
+  /* True in 1.#INF and -1.#IND00, which old C libraries of Windows write. */
+  static bool isPartOfNumber(std::string_view rest)
+  {
+    const std::string_view kinds[] = {".#INF", ".#IND", ".#QNAN", ".#SNAN"};
+    return std::any_of(std::begin(kinds), std::end(kinds),
+                       [&](std::string_view kind) { return rest.substr(0, kind.size()) == kind; });
+  }
+
   static std::vector<std::string_view> split(std::string_view line)
   {
     std::vector<std::string_view> words;
@@ -108,7 +117,9 @@ private:
       const size_t begin = line.find_first_not_of(" \t\r\n", i);
       if (begin == std::string_view::npos || line[begin] == '#')
         break;
-      const size_t end = std::min(line.find_first_of(" \t\r\n#", begin), line.size());
+      size_t end = std::min(line.find_first_of(" \t\r\n#", begin), line.size());
+      if (isPartOfNumber(line.substr(end - 1)))
+        end = std::min(line.find_first_of(" \t\r\n", end), line.size());
       words.push_back(line.substr(begin, end - begin));
       i = end;
     }
@@ -290,7 +301,8 @@ private:
     {
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
-        fail("sharpness " + printable(words[3 + counts[0] + i]) + " is negative; expected 0 or more");
+        fail("sharpness " + printable(words[3 + counts[0] + i]) + " is " +
+             (sharpness < 0.0f ? "negative" : "no number") + "; expected 0 or more");
       tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // infinitely sharp, as in OpenSubdiv
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());

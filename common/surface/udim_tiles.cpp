@@ -161,8 +161,12 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     tiles.origins.push_back(e.tile);
   }
   if (tiles.paths.empty())
-    throw Error(path + ": no such height map: " + cage.name + " uses, for example, tile " +
-                std::to_string(missing.rbegin()->first) + ", which does not exist");
+  {
+    const int number = missing.rbegin()->first;
+    throw Error(path + ": no such height map: " +
+                (number ? cage.name + " uses, for example, tile " + std::to_string(number) + ", which does not exist"
+                        : "all texture coordinates of " + cage.name + " lie outside of all tiles"));
+  }
   for (const auto& [number, count] : missing)
   {
     const std::string reason =

@@ -3,7 +3,7 @@
 
 #include "tracing/camera.h"
 
-#include <cstdio>
+#include <charconv>
 
 namespace cbvh {
 
@@ -76,9 +76,13 @@ Vec3f Camera::direction(float pixelX, float pixelY) const
 
 std::string Camera::description() const
 {
-  char text[160];
-  std::snprintf(text, sizeof(text), "%g,%g,%g,%g,%g,%g,%g", origin.x, origin.y, origin.z, target.x, target.y, target.z,
-                fieldOfView);
+  std::string text;
+  for (const float x : {origin.x, origin.y, origin.z, target.x, target.y, target.z, fieldOfView})
+  {
+    char digits[32];
+    char* const end = std::to_chars(digits, digits + sizeof(digits), x).ptr; // as many as distinguish floats
+    text += (text.empty() ? "" : ",") + std::string(digits, end);
+  }
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <ctime>
+#include <exception>
 #include <thread>
 
 namespace cbvh {
@@ -93,13 +94,25 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
     hits += count;
   };
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < settings.threads; i++)
-    pool.emplace_back([&] {
-      waiting++;
-      while (!go)
-        std::this_thread::yield();
-      work();
-    });
+  try
+  {
+    for (unsigned i = 1; i < settings.threads; i++)
+      pool.emplace_back([&] {
+        waiting++;
+        while (!go)
+          std::this_thread::yield();
+        work();
+      });
+  }
+  catch (const std::exception& e) // a limit of the system
+  {
+    next = chunks * settings.passes; // no work
+    go = true;
+    for (std::thread& t : pool)
+      t.join();
+    throw Error("measuring speed: cannot start " + std::to_string(settings.threads) +
+                " threads: " + e.what() + "; expected at most " + std::to_string(pool.size() + 1));
+  }
   while (waiting < pool.size())
     std::this_thread::yield();
   const auto clock = settings.threads > 1 ? wallSeconds : threadSeconds;

@@ -114,6 +114,15 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
+TEST(CageValidation, RepeatedHolesCountOnce)
+{
+  Cage cage = withFaces(6, {{0, 1, 2, 3}, {1, 4, 5, 2}});
+  cage.holes = {0, 0};
+  EXPECT_EQ(checked(cage).warnings, "");
+  cage.holes = {0, 1, 1};
+  EXPECT_NE(errorOf(cage).find("no face is left"), std::string::npos);
+}
+
 TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
 {
   std::vector<std::vector<unsigned>> faces = fan(65);

@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "programs/view_options.h"
+#include "scenes/cube.h"
 #include "support/random.h"
 #include "tracing/camera.h"
 
@@ -53,6 +55,29 @@ TEST(Camera, FittedViewContainsAllPointsCenteredAndUpToItsBorder)
     }
     EXPECT_NEAR(rim, 0.96f, 1e-3f) << round;
   }
+}
+
+TEST(Camera, VerticesWithoutFacesAreOutsideOfTheFullView)
+{
+  Model model = makeCube();
+  const Box3f bounds = model.cage.bounds();
+  const auto view = [&] { return fitCamera(model, bounds, model.view, 35, {64, 48}).description(); };
+  const std::string before = view();
+  model.cage.positions.push_back({1000, 0, 0});
+  model.poses = {model.cage.positions};
+  EXPECT_EQ(view(), before);
+  EXPECT_EQ(model.cage.bounds().upper.x, bounds.upper.x);
+  model.poses[0][7].x += 1;
+  EXPECT_NE(view(), before);
+}
+
+TEST(Camera, DescriptionsFarFromTheOriginDistinguishCameras)
+{
+  const Vec3f eye{4123456.5f, -500000.25f, 0.1f}, target{4123460.0f, -500001.0f, 1e-7f};
+  const Camera camera(eye, target, {0, 1, 0}, 34.7f, {64, 48});
+  EXPECT_EQ(camera.description(), "4123456.5,-500000.25,0.1,4123460,-500001,1e-07,34.7");
+  const Camera beside(eye + Vec3f{0.5f, 0, 0}, target, {0, 1, 0}, 34.7f, {64, 48});
+  EXPECT_NE(camera.description(), beside.description());
 }
 
 } // namespace

@@ -218,6 +218,7 @@ TEST(ObjReader, DialectsOfPrograms)
     {"no line end at the end of the file", square + "f 1 2 3 4"},
     {"CR line ends", "# square\rv 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3 4\r"},
     {"one texture coordinate", square + "vt 0.5\nf 1/1 2/1 3/1 4/1\n"},
+    {"comment without a blank before it", "v 0 0 0#.I\n" + square.substr(8) + "f 1 2 3 4#INFO\n"},
     {"blanks and empty lines", "\n \t\n" + square + "  f  1\t2 3 4  \n\n"},
   };
   for (const auto& [name, text] : dialects)
@@ -275,6 +276,9 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"f 1 2 3.5\n", "test.obj:5: ", {"number", "'3.5'"}},
     {"v 1 2\n", "test.obj:5: ", {"vertex", "three coordinates", "2"}},
     {"v 1 2 nan\n", "test.obj:5: ", {"'nan'", "finite"}},
+    {"v 0 0 1.#QNAN\n", "test.obj:5: ", {"number", "'1.#QNAN'"}},
+    {"v 0 0 -1.#IND00\n", "test.obj:5: ", {"number", "'-1.#IND00'"}},
+    {"vt 1.#INF\n", "test.obj:5: ", {"number", "'1.#INF'"}},
     {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "too large"}},
     {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "too large"}},
     {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", "2 of 3"}},
@@ -286,6 +290,7 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: ", {"tag", "vertex 4", " 4"}},
     {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: ", {"tag", "face 1", " 1"}},
     {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: ", {"sharpness -1 ", "negative"}},
+    {"t corner 1/1/0 0 nan\nf 1 2 3\n", "test.obj:5: ", {"sharpness nan ", "no number"}},
     {"t interpolateboundary 1/0/0 3\n", "test.obj:5: ", {"tag 'interpolateboundary'", " 3", "0, 1 or 2"}},
     {"t corn\x84 0/0/0\n", "test.obj:5: ", {"tag 'corn?'"}},
     {"t \x84 1/0/0/\x84\n", "test.obj:5: ", {"tag '?'", " 1/0/0/? ", " 0"}},

@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "basics/parallel.h"
+#include "support/address_space.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
-#include <sys/resource.h>
-#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -30,16 +28,8 @@ TEST(Parallel, RangesCoverAllIndicesOnce)
 
 TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates)
 {
-  // The limits belong to the process. Each thread needs 2 MiB or more for its stack.
   const auto child = [] {
-    size_t pages = 0;
-    if (FILE* file = std::fopen("/proc/self/statm", "r")) {
-      if (std::fscanf(file, "%zu", &pages) != 1) pages = 0;
-      std::fclose(file);
-    }
-    const rlim_t bytes = rlim_t(pages)*rlim_t(sysconf(_SC_PAGESIZE)) + (rlim_t(64) << 20);
-    const rlimit limit = {bytes, bytes};
-    setrlimit(RLIMIT_AS, &limit);
+    limitAddressSpace(size_t(64) << 20);
     std::atomic<size_t> sum{0};
     parallelFor(1000, 1, 10000, [&](size_t begin, size_t) { sum += begin; });
     std::_Exit(sum == 999*1000/2 ? 0 : 1);

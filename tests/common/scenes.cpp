@@ -310,6 +310,14 @@ TEST(Herd, EachCopyHasItsOwnPoseAndMotion)
   EXPECT_LT(length(positions[7 * n + 7] - model.copies[3].apply(model.shapes[3][7] + moved)), 1e-4f);
 }
 
+TEST(Motion, FlatCagesStayFinite)
+{
+  for (const std::string& name : motionNames())
+    for (const Vec3f flat : {Vec3f{0, 1, 1}, Vec3f{1, 0, 1}, Vec3f{1, 1, 0}, Vec3f{}})
+      for (const Vec3f& p : poseVertices(name, {flat * Vec3f{-1, -1, -1}, flat * Vec3f{2, 3, 4}}, 30))
+        EXPECT_TRUE(isFinite(p)) << name << ", flat along " << (flat.x == 0 ? "x" : flat.y == 0 ? "y" : "z");
+}
+
 std::string complaint(const SceneSettings& settings)
 {
   try

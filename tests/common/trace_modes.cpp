@@ -6,11 +6,15 @@
 #include "basics/error.h"
 #include "building/built_scene.h"
 #include "scenes/cube.h"
+#include "support/address_space.h"
+#include "support/message_parts.h"
 #include "tracing/hit_records.h"
 #include "tracing/trace_hits.h"
 #include "tracing/trace_timing.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdlib>
 
 namespace cbvh::test {
 namespace {
@@ -107,6 +111,24 @@ TEST(TraceTiming, EveryModeFindsTheSameHits)
             << traceModeName(mode) << ", " << queryName(query) << ", " << threads << " threads";
           EXPECT_GT(timing.seconds, 0.0);
         }
+}
+
+TEST(TraceTiming, ThreadsThatTheSystemRefusesAreReported)
+{
+  const CubeRays cube;
+  const auto child = [&] {
+    limitAddressSpace(size_t(64) << 20);
+    try
+    {
+      timeTrace(cube.scene, cube.rays, {Closest, TraceMode::Single, false, 10000, 1});
+    }
+    catch (const Error& e)
+    {
+      std::_Exit(containsInOrder(e.what(), {"10000 threads", "expected at most "}) ? 0 : 1);
+    }
+    std::_Exit(2);
+  };
+  EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
 }
 
 TEST(TraceTiming, NamesRoundTrip)

@@ -211,7 +211,7 @@ Raises Error with the line for a file that cannot be read, and Error if OpenSubd
     .def_property_readonly("boundary", [](const Cage& c) { return boundaryRules[size_t(c.boundary)]; },
                            "The shape at boundary edges, see the constructor.")
     .def_property_readonly("bounds", [](const Cage& c) { return arrayOf(c.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the vertices' bounding box.")
+                           "(2, 3) float32: lower and upper corner of the bounding box of all vertices with faces.")
     .def("__repr__", [](const Cage& c) {
       return "<Cage '" + c.name + "' of " + std::to_string(c.numFaces()) + " faces and " +
              std::to_string(c.positions.size()) + " vertices>";
