@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <set>
 #include <thread>
 
@@ -534,40 +533,6 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
   EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
   EXPECT_NE(device.message.find("asks for no compression"), std::string::npos) << device.message;
   EXPECT_TRUE(folder.names().empty());
-}
-
-// With 10000 geometries, the last 1000 are loaded, and the first 1000 released, nearly as fast as if there were no
-// others.
-TEST(CompressedFiles, LoadingAndReleasingTakeLinearTime)
-{
-  Folder folder;
-  Device device;
-  const unsigned part = 1000, all = 10*part;
-  RTCGeometry geometry = releasing(newSurface(device, sheetCage(1), SurfaceSettings()), RTC_COMPRESSION_CVERT);
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
-  for (unsigned i = 0; i < all; i++) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
-  rtcReleaseGeometry(geometry);
-
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
-  ASSERT_NE(file, nullptr) << device.message;
-  std::vector<RTCGeometry> loaded(all);
-  const auto time = [&](unsigned begin, unsigned end, const auto& process) { // of all threads
-    const std::clock_t before = std::clock();
-    for (unsigned i = begin; i < end; i++) process(i);
-    return std::clock() - before;
-  };
-  const auto load = [&](unsigned i) { loaded[i] = rtcNewGeometryFromCompressedFile(file, i); };
-  const auto release = [&](unsigned i) { rtcReleaseGeometry(loaded[i]); };
-  const std::clock_t loadsAlone = time(0, part, load);
-  time(part, all - part, load);
-  EXPECT_LT(time(all - part, all, load), 3*loadsAlone);
-  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  const std::clock_t releasesWithOthers = time(0, part, release);
-  time(part, all - part, release);
-  EXPECT_LT(releasesWithOthers, 3*time(all - part, all, release));
-  rtcReleaseCompressedFile(file);
 }
 
 TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
