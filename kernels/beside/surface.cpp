@@ -4,9 +4,9 @@
 #include "surface.h"
 #include "structs.h"
 
+#include "cbvh/base/number_text.h"
 #include "cbvh/core/dicing.h"
 #include "cbvh/core/files.h"
-#include "cbvh/core/number_text.h"
 #include "cbvh/core/stored_surface.h"
 
 #include <algorithm>

@@ -56,7 +56,9 @@ else
 fi
 inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4" &&
   inside "g++ -std=c++17 $flags tests/interposer/points.cpp -o points -lembree4" &&
-  inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" ||
+  inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" &&
+  inside "g++ -std=c++17 $flags -fPIC -shared tests/interposer/early.cpp -o libearly.so -lembree4" &&
+  inside "echo 'int main() {}' | g++ -x c++ - -o early -L. -Wl,--no-as-needed -learly -Wl,-rpath,$there" ||
   fail "the programs do not compile"
 ospray=
 if [ -e "$system/usr/include/ospray/ospray.h" ]; then
@@ -80,6 +82,10 @@ for settings in leaf,frame_level=2,verbose cLEAF,verbose cVERT,verbose 0,1,verbo
   inside "EMBREE_CBVH=$settings $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
     fail "settings without effect turn compression off: $settings"
 done
+
+# --- early: a library calls Embree before the interposer's static initializers run -------------
+inside "./early" || fail "the program with an early library fails without the interposer"
+inside "$preload ./early" || fail "the program with an early library fails"
 
 # --- points: calls of point queries must match without the interposer and with it --------------
 inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"

@@ -6,6 +6,7 @@
 
 #include "devices.h"
 #include "guarded.h"
+#include "immortal.h"
 #include "objects.h"
 #include "options.h"
 
@@ -30,8 +31,7 @@ std::string threadsSettingOf(const char* config)
   return setting;
 }
 
-/* Never destroyed, because programs release devices in destructors of static objects. */
-Devices& devices = *new Devices;
+Devices& devices() { return immortal<Devices>(); }
 
 bool isInstance(RTCGeometryType type) {
   return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
@@ -142,19 +142,19 @@ private:
 RTC_API RTCDevice rtcNewDevice(const char* config)
 {
   const RTCDevice device = REAL(rtcNewDevice)(config);
-  if (device && isActive()) guarded("rtcNewDevice", [&] { devices.add(device, threadsSettingOf(config)); });
+  if (device && isActive()) guarded("rtcNewDevice", [&] { devices().add(device, threadsSettingOf(config)); });
   return device;
 }
 
 RTC_API void rtcRetainDevice(RTCDevice device)
 {
   REAL(rtcRetainDevice)(device);
-  if (isActive()) devices.retain(device);
+  if (isActive()) devices().retain(device);
 }
 
 RTC_API void rtcReleaseDevice(RTCDevice device)
 {
-  if (isActive()) devices.release(device);
+  if (isActive()) devices().release(device);
   REAL(rtcReleaseDevice)(device);
 }
 
@@ -162,7 +162,7 @@ RTC_API void rtcReleaseDevice(RTCDevice device)
 RTC_API RTCDevice rtcGetSceneDevice(RTCScene scene)
 {
   const RTCDevice device = REAL(rtcGetSceneDevice)(scene);
-  if (isActive()) devices.retain(device);
+  if (isActive()) devices().retain(device);
   return device;
 }
 
@@ -261,7 +261,7 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
   const bool isRecorded = guarded("rtcNewGeometry", [&] {
     if (isInstance(type)) Objects::get().addGeometry(geometry, type, nullptr);
     if (!options().compresses(type)) return;
-    if (auto substituted = Substituted::make(device, devices.settingsOf(device), geometry, type))
+    if (auto substituted = Substituted::make(device, devices().settingsOf(device), geometry, type))
       Objects::get().addGeometry(geometry, type, std::move(substituted));
   });
   if (isRecorded) return geometry;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "substitute_data.h"
+#include "immortal.h"
 
 #include <atomic>
 #include <cstring>
@@ -18,7 +19,8 @@ constexpr size_t maxSubstitutes = size_t(1) << 20;   // reserves address space, 
 
 struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted SubstituteData
 
-std::mutex& mutex = *new std::mutex;
+std::mutex& mutex() { return immortal<std::mutex>(); }
+
 FreeEntry* firstFree = nullptr;
 size_t numUsed = 0;                    // used entries from the start of the range, including free ones
 std::atomic<bool> hasAny{false};       // stays true
@@ -30,7 +32,7 @@ bool hasSubstitutes() { return hasAny.load(std::memory_order_relaxed); }
 SubstituteData* newSubstituteData()
 {
   static_assert(sizeof(SubstituteData) >= sizeof(FreeEntry), "a free entry fits into a SubstituteData");
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard<std::mutex> lock(mutex());
   if (substituteDataRange.size == 0) {
     void* const base = mmap(nullptr, maxSubstitutes*sizeof(SubstituteData), PROT_READ | PROT_WRITE,
       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -49,7 +51,7 @@ SubstituteData* newSubstituteData()
 
 void deleteSubstituteData(SubstituteData* data)
 {
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard<std::mutex> lock(mutex());
   FreeEntry* const entry = (FreeEntry*)data;
   entry->next = firstFree;
   firstFree = entry;

@@ -6,7 +6,7 @@
  * faces, (u,v) must select an existing sub-patch. */
 
 #include "interpolation_checks.h"
-#include "../core/number_text.h"
+#include "../base/number_text.h"
 #include "../surface/patches.h"
 
 namespace embree

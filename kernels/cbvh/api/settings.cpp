@@ -6,11 +6,11 @@
 #include "../embree/scene.h"
 #include "../core/device_string.h"
 #include "../core/lower_case.h"
-#include "../core/number_text.h"
 #include "factory.h"
 #include "../state/settings.h"
 #include "../base/environment.h"
 #include "../base/kinds.h"
+#include "../base/number_text.h"
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>

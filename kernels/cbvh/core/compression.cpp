@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "compression.h"
-#include "number_text.h"
 #include "../base/kinds.h"
+#include "../base/number_text.h"
 #include "../files/loaded_geometry.h"
 #include "../stored/report.h"
 #include <cmath>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "dicing.h"
-#include "number_text.h"
+#include "../base/number_text.h"
 #include "../files/loaded_geometry.h"
 #include "../surface/dicing_samples.h"
 #include "../surface/input_checks.h"

@@ -3,7 +3,7 @@
 
 #include "loaded_geometry.h"
 #include "../base/kinds.h"
-#include "../core/number_text.h"
+#include "../base/number_text.h"
 #include "../stored/surface_blocks.h"
 
 namespace embree

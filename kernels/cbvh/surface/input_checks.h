@@ -6,7 +6,7 @@
 /* Checks of the application's buffers that Embree does not make. All functions throw rtcore_error, naming the
  * first invalid value. */
 
-#include "../core/number_text.h"
+#include "../base/number_text.h"
 #include "../embree/scene.h"
 
 namespace embree

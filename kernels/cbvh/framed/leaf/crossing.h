@@ -50,8 +50,8 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool hit;
-  /*! If hit: the first of three k that is in the lip, or else the first: where the ray enters the lip's width, where it
-   *  leaves it, vertex of f. */
+  /*! If hit: k of the first of these three that is in the lip, or else of the first: entry into the lip's width, exit
+   *  from it, vertex of f. */
   Real k;
 };
 

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Independent of Embree, for kernels/beside. */
+
 #include <locale>
 #include <sstream>
 #include <string>
