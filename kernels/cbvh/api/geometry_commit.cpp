@@ -199,6 +199,52 @@ namespace embree
     }
   }
 
+  /*! Memory of a cage that Embree keeps. A friend of SubdivMesh. */
+  struct CageMemory
+  {
+    /*! Embree's own allocation of half-edges rounds their number up to a power of two. */
+    static void reserveHalfEdges (SubdivMesh* mesh)
+    {
+      for (auto& topology : mesh->topology)
+        if (topology.vertexIndices) topology.halfEdges.reserve(mesh->numEdges());
+    }
+
+    /*! Frees the arrays that sort half-edges, which are as large as the half-edges. They are needed again only if the
+     *  topology changes. */
+    static void freeSortedEdges (SubdivMesh* mesh)
+    {
+      for (auto& topology : mesh->topology) {
+        std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges0);
+        std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges1);
+      }
+    }
+
+    /*! Keeps vertex attributes, and the topology that rtcInterpolate needs for them. */
+    static void releaseInput (SubdivMesh* mesh)
+    {
+      const bool hasAttributes = !mesh->vertexAttribs.empty();
+      for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
+      for (auto& tags : mesh->vertex_buffer_tags) std::vector<SharedLazyTessellationCache::CacheEntry>().swap(tags);
+      for (auto& topology : mesh->topology) {
+        topology.vertexIndices = BufferView<unsigned int>();
+        if (!hasAttributes) topology.halfEdges.clear();
+        else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
+      }
+      mesh->faceVertices = BufferView<unsigned int>();
+      mesh->edge_creases = BufferView<SubdivMesh::Edge>();
+      mesh->edge_crease_weights = BufferView<float>();
+      mesh->vertex_creases = BufferView<unsigned int>();
+      mesh->vertex_crease_weights = BufferView<float>();
+      mesh->levels = BufferView<float>();
+      mesh->holes = BufferView<unsigned>();
+      mesh->halfEdgeFace.clear();
+      mesh->numHalfEdges = 0; // functions that use half-edges then report errors
+      if (hasAttributes) return;
+      mesh->faceStartEdge.clear();
+      mesh->invalid_face.clear();
+    }
+  };
+
   bool beginCommit (SubdivMesh* mesh)
   {
     const bool hasInput = mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices;
@@ -210,6 +256,7 @@ namespace embree
     setDecision(mesh,isRequested && moves,
            isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because fallback_faces is 0",
            "faces");
+    CageMemory::reserveHalfEdges(mesh);
     return true;
   }
 
@@ -266,8 +313,9 @@ namespace embree
 
   void endCommit (SubdivMesh* mesh)
   {
+    CageMemory::freeSortedEdges(mesh);
     markUnsupportedFaces(mesh);
-    if (buildBlocksNow(mesh)) releaseInput(mesh);
+    if (buildBlocksNow(mesh)) CageMemory::releaseInput(mesh);
   }
 
   /*! If blocks were built, releases the vertices, and the primitives unless rtcInterpolate needs them for vertex
@@ -284,31 +332,6 @@ namespace embree
   void endCommit (GridMesh* mesh) { endCommitOfDiced(mesh,mesh->grids); }
   void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
   void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
-
-  /*! Keeps vertex attributes, and the topology that rtcInterpolate needs for them. */
-  void releaseInput (SubdivMesh* mesh)
-  {
-    const bool hasAttributes = !mesh->vertexAttribs.empty();
-    for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
-    for (auto& tags : mesh->vertex_buffer_tags) std::vector<SharedLazyTessellationCache::CacheEntry>().swap(tags);
-    for (auto& topology : mesh->topology) {
-      topology.vertexIndices = BufferView<unsigned int>();
-      if (!hasAttributes) topology.halfEdges.clear();
-      else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
-    }
-    mesh->faceVertices = BufferView<unsigned int>();
-    mesh->edge_creases = BufferView<SubdivMesh::Edge>();
-    mesh->edge_crease_weights = BufferView<float>();
-    mesh->vertex_creases = BufferView<unsigned int>();
-    mesh->vertex_crease_weights = BufferView<float>();
-    mesh->levels = BufferView<float>();
-    mesh->holes = BufferView<unsigned>();
-    mesh->halfEdgeFace.clear();
-    mesh->numHalfEdges = 0; // functions that use half-edges then report errors
-    if (hasAttributes) return;
-    mesh->faceStartEdge.clear();
-    mesh->invalid_face.clear();
-  }
 
   /*! True if a geometry has the grids, quads or triangles that rtcInterpolate reads. Also true for cages:
    *  requireSupported() checks their topology. */
