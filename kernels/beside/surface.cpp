@@ -4,6 +4,7 @@
 #include "surface.h"
 #include "structs.h"
 
+#include "cbvh/base/text_of_number.h"
 #include "cbvh/core/dicing.h"
 #include "cbvh/core/files.h"
 #include "cbvh/core/stored_surface.h"
@@ -115,21 +116,23 @@ void checkTopology(const CbvhCage& cage)
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
-  const std::string prefix = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
-    + std::to_string(primID) + ": ";
+  const auto reject = [&](const std::string& why) {
+    throwInvalidArgument("u " + embree::textOf(u) + ", v " + embree::textOf(v) + " of face " + std::to_string(primID)
+      + ": " + why);
+  };
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
     const float tolerance = 1e-3f; // because parameters of hits are rounded
     if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
-      throwInvalidArgument(prefix + "expected 0 to 1");
+      reject("expected 0 to 1");
     return;
   }
   const unsigned int corners = other->second, maxCorners = 16; // Embree does not tessellate faces with more
   if (corners > maxCorners)
-    throwInvalidArgument(prefix + "the face has " + std::to_string(corners)
+    reject("the face has " + std::to_string(corners)
       + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
-    throwInvalidArgument(prefix + "expected one of its " + std::to_string(corners)
+    reject("expected one of its " + std::to_string(corners)
       + " sub-patches, as hits number them");
 }
 
@@ -298,7 +301,7 @@ void CbvhSurfaceTy::set(const CbvhAccuracy& newAccuracy)
 {
   const ChangeScope change(*this);
   if (!(std::isfinite(newAccuracy.maxError) && newAccuracy.maxError >= 0))
-    throwInvalidArgument("maxError " + std::to_string(newAccuracy.maxError)
+    throwInvalidArgument("maxError " + embree::textOf(newAccuracy.maxError)
       + " is negative or not finite: expected at least 0");
   core::validate(settingsOf(newAccuracy, false));
   accuracy = newAccuracy;

@@ -6,6 +6,7 @@
  * faces, (u,v) must select an existing sub-patch. */
 
 #include "interpolation_checks.h"
+#include "../base/text_of_number.h"
 #include "../surface/patches.h"
 
 namespace embree
@@ -55,7 +56,7 @@ namespace embree
       if (corners == 4) return;
       if (u >= 0.0f && u < 8.0f && v >= 0.0f && v < 8.0f && unsigned(0.5f*u) + 4*unsigned(0.5f*v) < corners) return;
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"face " + std::to_string(face) + " cannot be interpolated at u "
-          + std::to_string(u) + ", v " + std::to_string(v) + ": expected one of its " + std::to_string(corners)
+          + textOf(u) + ", v " + textOf(v) + ": expected one of its " + std::to_string(corners)
           + " sub-patches, as hits number them");
     }
 

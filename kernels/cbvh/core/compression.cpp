@@ -3,6 +3,7 @@
 
 #include "compression.h"
 #include "../base/kinds.h"
+#include "../base/text_of_number.h"
 #include "../files/loaded_geometry.h"
 #include "../stored/report.h"
 #include <cmath>
@@ -29,7 +30,7 @@ namespace embree
       template<typename T>
       void require (bool isValid, const char* name, T value, const std::string& expected) {
         if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "
-            + std::to_string(value) + ": expected " + expected);
+            + textOf(value) + ": expected " + expected);
       }
     }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "dicing.h"
+#include "../base/text_of_number.h"
 #include "../files/loaded_geometry.h"
 #include "../surface/dicing_samples.h"
 #include "../surface/input_checks.h"
@@ -17,14 +18,14 @@ namespace embree
       {
         for (size_t i=0; i<n; i++)
           if (!std::isfinite(values[i])) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + ": "
-              + std::to_string(values[i]) + " is not finite");
+              + textOf(values[i]) + " is not finite");
       }
 
       /*! Throws unless the value is finite and above the bound or, with orEqual, not below it. bound: 0 or 1. */
       void requireAbove (const char* name, float value, float bound, bool orEqual)
       {
         if (!std::isfinite(value) || !(orEqual ? value >= bound : value > bound))
-          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + std::to_string(value)
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + textOf(value)
               + ": expected " + (orEqual ? "at least " : "more than ") + (bound == 1.0f ? "1" : "0"));
       }
 
@@ -38,11 +39,11 @@ namespace embree
         requireAbove("outsideFactor",camera.outsideFactor,1.0f,true);
         requireAbove("maxRate",camera.maxRate,1.0f,true);
         if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate "
-            + std::to_string(camera.maxRate) + ": expected 1 to 4096");
+            + textOf(camera.maxRate) + ": expected 1 to 4096");
         if (camera.transform) requireFinite("transform",camera.transform,12);
         if (camera.maxRates) for (size_t i=0; i<numEdges; i++)
           if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: "
-              + std::to_string(camera.maxRates[i]) + " at index " + std::to_string(i) + ": expected at least 1");
+              + textOf(camera.maxRates[i]) + " at index " + std::to_string(i) + ": expected at least 1");
         if (!(camera.width > 0.0f && camera.height > 0.0f)) return;
         requireFinite("direction",camera.direction,3);
         requireFinite("up",camera.up,3);

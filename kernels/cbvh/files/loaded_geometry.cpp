@@ -3,6 +3,7 @@
 
 #include "loaded_geometry.h"
 #include "../base/kinds.h"
+#include "../base/text_of_number.h"
 #include "../stored/surface_blocks.h"
 
 namespace embree
@@ -41,7 +42,7 @@ namespace embree
   {
     if (numTimeSteps > 1 && (time_range.lower != fileTimes.lower || time_range.upper != fileTimes.upper))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the time range of a geometry that was loaded from a file cannot be "
-                     "changed: expected " + std::to_string(fileTimes.lower) + " to " + std::to_string(fileTimes.upper)
+                     "changed: expected " + textOf(fileTimes.lower) + " to " + textOf(fileTimes.upper)
                      + ", the time range in the file");
     Geometry::commit();
     surface.commit(modCounter_);

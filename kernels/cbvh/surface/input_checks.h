@@ -6,6 +6,7 @@
 /* Checks of the application's buffers that Embree does not make. All functions throw rtcore_error, naming the
  * first invalid value. */
 
+#include "../base/text_of_number.h"
 #include "../embree/scene.h"
 
 namespace embree
@@ -22,8 +23,8 @@ namespace embree
           + std::to_string(verticesAt(0)));
     if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-        "invalid time range (expected a start before the end): " + std::to_string(mesh->time_range.lower) + " to "
-        + std::to_string(mesh->time_range.upper));
+        "invalid time range (expected a start before the end): " + textOf(mesh->time_range.lower) + " to "
+        + textOf(mesh->time_range.upper));
   }
 
   /*! Throws if a cage's buffers are shorter than its faces and creases require. */
