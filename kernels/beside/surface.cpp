@@ -117,21 +117,23 @@ void checkTopology(const CbvhCage& cage)
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
-  const std::string prefix = "u " + numberText(u) + ", v " + numberText(v) + " of face "
-    + std::to_string(primID) + ": ";
+  const auto reject = [&](const std::string& why) {
+    throwInvalidArgument("u " + numberText(u) + ", v " + numberText(v) + " of face " + std::to_string(primID)
+      + ": " + why);
+  };
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
     const float tolerance = 1e-3f; // because parameters of hits are rounded
     if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
-      throwInvalidArgument(prefix + "expected 0 to 1");
+      reject("expected 0 to 1");
     return;
   }
   const unsigned int corners = other->second, maxCorners = 16; // Embree does not tessellate faces with more
   if (corners > maxCorners)
-    throwInvalidArgument(prefix + "the face has " + std::to_string(corners)
+    reject("the face has " + std::to_string(corners)
       + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
-    throwInvalidArgument(prefix + "expected one of its " + std::to_string(corners)
+    reject("expected one of its " + std::to_string(corners)
       + " sub-patches, as hits number them");
 }
 

@@ -308,6 +308,9 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
   expectInvalid("width", [](RTCDicingArguments& a) { a.width = -1; });
   const std::vector<float> bounds = {1, 2, nan, 4};
   expectInvalid("maxRates", [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
+  const std::vector<float> justBelow = {1, 2, 0.99999994f, 4};
+  expectInvalid("maxRates: 0.99999994 at index 2", [&](RTCDicingArguments& a) { a.maxRates = justBelow.data(); });
+  expectInvalid("pixelSize -1e-20", [](RTCDicingArguments& a) { a.pixelSize = -1e-20f; });
 
   rtcDiceGeometry(surface.geometry, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);

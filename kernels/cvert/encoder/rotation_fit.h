@@ -85,17 +85,19 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! m: symmetric and positive definite. */
+    /*! m: symmetric, and nearly singular if residuals are parallel. Eliminates (LDL^T), because cofactors would cancel.
+     *  Sets `out` to 0 if m is not positive definite after rounding. */
     static void invert (const double m[3][3], double out[3][3])
     {
-      double cofactor[3][3];
-      for (int a=0; a<3; a++)
-        for (int b=0; b<3; b++)
-          cofactor[a][b] = m[(a+1)%3][(b+1)%3]*m[(a+2)%3][(b+2)%3] - m[(a+1)%3][(b+2)%3]*m[(a+2)%3][(b+1)%3];
-      const double determinant = m[0][0]*cofactor[0][0] + m[0][1]*cofactor[0][1] + m[0][2]*cofactor[0][2];
-      for (int a=0; a<3; a++)
-        for (int b=0; b<3; b++)
-          out[a][b] = cofactor[b][a]/determinant;
+      const double l10 = m[1][0]/m[0][0], l20 = m[2][0]/m[0][0], rest = m[2][1] - l20*m[1][0];
+      const double d1 = m[1][1] - l10*m[1][0], l21 = rest/d1, d2 = m[2][2] - l20*m[2][0] - l21*rest;
+      for (int b=0; b<3; b++) {
+        const double y0 = b == 0, y1 = double(b == 1) - l10*y0, y2 = double(b == 2) - l20*y0 - l21*y1;
+        out[2][b] = y2/d2;
+        out[1][b] = y1/d1 - l21*out[2][b];
+        out[0][b] = y0/m[0][0] - l10*out[1][b] - l20*out[2][b];
+        if (!(d1 > 0 && d2 > 0)) out[0][b] = out[1][b] = out[2][b] = 0;
+      }
     }
 
     const int (*first)[3][paddedVertices] = nullptr;
