@@ -105,7 +105,7 @@ namespace embree
               const PatchLines::Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
               choice.addLine(alongU,line.vertices,line.count);
             }
-            if (plan.settings.maxPixelError > 0) extendBounds(base,quads,evaluator,choice);
+            if (plan.settings.maxPixelError > 0) addVertices(base,quads,evaluator,choice);
           });
         return true;
       }
@@ -199,8 +199,8 @@ namespace embree
       }
 
       /*! Extends the bounds for maxPixelError by all vertices of a patch. */
-      void extendBounds (const SubdivPatch1Base& base, const unsigned quads[2], PatchEvaluator& evaluator,
-                         LatticeChoice& choice) const
+      void addVertices (const SubdivPatch1Base& base, const unsigned quads[2], PatchEvaluator& evaluator,
+                        LatticeChoice& choice) const
       {
         const unsigned rows = 16; // per part, to limit the memory
         for (unsigned y=0; y<=quads[1]; y+=rows) {
