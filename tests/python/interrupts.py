@@ -61,6 +61,24 @@ class Progress(unittest.TestCase):
             cbvh.build(bumpy_model(), level=4, progress=lambda *_: cbvh.build(bumpy_model(), level=3))
         self.works()
 
+    def test_calls_work_after_a_refused_thread(self):
+        code = """
+import resource
+import embree_cbvh as cbvh
+cage = cbvh.Cage([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+pages = int(open("/proc/self/statm").read().split()[0])
+soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + (1 << 20), hard)) # less than a stack
+try:
+    cbvh.build(cage, "cvert", 2)
+except RuntimeError:
+    print("refused")
+resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+print(cbvh.build(cage, "cvert", 2).level)
+"""
+        done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True)
+        self.assertEqual((done.stdout, done.stderr), ("refused\n2\n", ""))
+
     def works(self):
         hits = cbvh.build(bumpy_model(), "cvert", 4).intersect(*rays_from_above())
         self.assertTrue(hits.hit.all())

@@ -90,6 +90,7 @@ class Heights(unittest.TestCase):
                 (ValueError, r"height: has shape \(4,\).*\(rows, columns\)", (np.zeros(4),)),
                 (ValueError, r"height: has shape \(0, 4\)", (np.zeros((0, 4)),)),
                 (ValueError, "height: row 2, column 1 is not finite", (nan,)),
+                (ValueError, "height: has masked elements", (np.ma.masked_equal(np.eye(4), 0),)),
                 (TypeError, "height: is an array of complex", (np.zeros((4, 4), complex),)),
                 (ValueError, "^amplitude: .*height", (None, 1.0)),
                 (ValueError, "amplitude: is not finite", (np.zeros((4, 4)), np.nan)),

@@ -80,6 +80,9 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(scene.triangles(hits, time=0.25)[..., 2], 0.125, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation()["vertices"][:, 2], 0, atol=1e-5)
+        for time in (-1, 1.5, np.nan):
+            with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+                scene.triangles(hits, time=time)
 
     def test_models_report_their_steps(self):
         self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])
@@ -332,6 +335,9 @@ class Cameras(unittest.TestCase):
         hits = scene.intersect([[0.5, 0.5, 1]], [0, 0, -1])
         with self.assertRaisesRegex(ValueError, "hits: .* 1 .* 576.*origins"):
             cbvh.bounce_rays(hits, *rays_from_above(), offset=0)
+        for offset in (-1, np.nan):
+            with self.assertRaisesRegex(ValueError, "offset: is -?[1n].*at least 0"):
+                cbvh.bounce_rays(hits, [[0.5, 0.5, 1]], [0, 0, -1], offset=offset)
 
 
 if __name__ == "__main__":

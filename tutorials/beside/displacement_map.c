@@ -11,6 +11,7 @@
 
 #include <cbvh/cbvh.h>
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,15 +34,38 @@ struct HeightMap
   CbvhSurface surface; /* its attribute 0 holds texture coordinates */
 };
 
+/* Returns the next number of a header, or 0. Skips comments: GIMP writes one. */
+static int readNumber(FILE* file)
+{
+  int c, number = 0;
+  do {
+    c = fgetc(file);
+    if (c == '#')
+      while (c != '\n' && c != EOF) c = fgetc(file);
+  } while (isspace(c));
+  ungetc(c, file);
+  return fscanf(file, "%d", &number) == 1 ? number : 0;
+}
+
+/* Returns 1 if the file is at the first height. */
+static int readHeader(struct HeightMap* map, FILE* file)
+{
+  if (fgetc(file) != 'P' || fgetc(file) != '5') return 0;
+  map->width = readNumber(file);
+  map->height = readNumber(file);
+  return map->width >= 1 && map->width <= 32768 && map->height >= 1 && map->height <= 32768 &&
+         readNumber(file) == 255 && isspace(fgetc(file));
+}
+
 static void loadMap(struct HeightMap* map, const char* path)
 {
   int i, size;
   if (path) {
     FILE* file = fopen(path, "rb");
     unsigned char* bytes;
-    if (!file || fscanf(file, "P5 %d %d 255", &map->width, &map->height) != 2 || map->width < 1 || map->height < 1 ||
-        map->width > 32768 || map->height > 32768 || fgetc(file) == EOF) {
-      fprintf(stderr, "displacement_map: cannot read %s: expected a binary 8-bit PGM\n", path);
+    if (!file || !readHeader(map, file)) {
+      fprintf(stderr, "displacement_map: cannot read %s: expected a binary 8-bit PGM of at most 32768 x 32768 heights\n",
+              path);
       exit(1);
     }
     size = map->width*map->height;
@@ -137,7 +161,10 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
       }
       fputc(gray, file);
     }
-  fclose(file);
+  if (ferror(file) || fclose(file) != 0) {
+    fprintf(stderr, "displacement_map: %s cannot be written\n", path);
+    exit(1);
+  }
   return hits;
 }
 

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <vector>
 
@@ -73,7 +74,7 @@ int main(int argc, char** argv) try
   writer.commit();
   std::printf("%.2f bytes per quad, all decoded vertices are identical\n", double(total)/(quads*quads));
 }
-catch (const cvert::Error& error) {
+catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;
 }

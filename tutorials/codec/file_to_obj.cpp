@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <exception>
 
 static bool isFinite(const float* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
@@ -26,29 +27,30 @@ static void writeVertices(const float (*vertices)[3], unsigned count)
 }
 
 // Writes a block of quads. first: number of its first vertex in the OBJ. Returns the first number for the next block.
-static unsigned writeBlock(const cvert::VertHeader* block, unsigned first)
+static unsigned long long writeBlock(const cvert::VertHeader* block, unsigned long long first)
 {
   const cvert::DecodedBlock decoded(block);
   const unsigned width = decoded.quadsX + 1, height = decoded.quadsY + 1;
   writeVertices(decoded.vertices, width*height);
   for (unsigned y = 0; y < decoded.quadsY; y++)
     for (unsigned x = 0; x < decoded.quadsX; x++) {
-      const unsigned i = first + y*width + x;
+      const unsigned long long i = first + y*width + x;
       if (isFinite(decoded.vertex(x, y)) && isFinite(decoded.vertex(x + 1, y)) &&
           isFinite(decoded.vertex(x, y + 1)) && isFinite(decoded.vertex(x + 1, y + 1))) // else it is a hole
-        std::printf("f %u %u %u %u\n", i, i + 1, i + width + 1, i + width);
+        std::printf("f %llu %llu %llu %llu\n", i, i + 1, i + width + 1, i + width);
     }
   return first + width*height;
 }
 
 // The same for a block of triangles.
-static unsigned writeMeshBlock(const cvert::MeshHeader* block, unsigned first)
+static unsigned long long writeMeshBlock(const cvert::MeshHeader* block, unsigned long long first)
 {
   const cvert::DecodedMesh decoded(block);
   writeVertices(decoded.vertices, decoded.numVertices);
   for (unsigned i = 0; i < decoded.numTriangles; i++) {
     const auto& corners = decoded.triangles[i];
-    std::printf("f %u %u %u\n", first + corners[0], first + corners[1], first + corners[2]);
+    const unsigned long long a = first + corners[0], b = first + corners[1], c = first + corners[2];
+    std::printf("f %llu %llu %llu\n", a, b, c);
   }
   return first + decoded.numVertices;
 }
@@ -58,7 +60,7 @@ int main(int argc, char** argv) try
   if (argc != 2) throw cvert::Error(cvert::ErrorCode::INVALID_ARGUMENT, "usage: file_to_obj FILE.cbvh > FILE.obj");
   const cvert::File file(argv[1]);
   file.verify();
-  unsigned first = 1; // OBJ counts from 1
+  unsigned long long first = 1; // OBJ counts from 1
   for (size_t i = 0; i < file.size(); i++) {
     std::printf("o geometry%zu\n", i);
     cvert::forEachBlock(file.geometry(i), file.tree(i), [&](cvert::FileChild type, uint64_t offset) {
@@ -68,9 +70,11 @@ int main(int argc, char** argv) try
                                   : writeBlock((const cvert::VertHeader*)block, first);
     });
   }
-  return std::fflush(stdout) == 0 && !std::ferror(stdout) ? 0 : 1;
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
+  std::fprintf(stderr, "standard output cannot be written\n");
+  return 1;
 }
-catch (const cvert::Error& error) {
+catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;
 }

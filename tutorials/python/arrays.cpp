@@ -17,6 +17,8 @@ using Integers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>
 py::array numbers(const py::object& value, const std::string& argument, const std::string& kinds,
                   const std::string& expected)
 {
+  if (py::module_::import("numpy.ma").attr("is_masked")(value).cast<bool>())
+    throwValueError(argument, "has masked elements: expected an array without a mask");
   py::array array;
   try
   {

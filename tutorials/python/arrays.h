@@ -32,7 +32,7 @@ Shape shapeOf(const py::array& array);
 
 /* --- arguments ---------------------------------------------------------------- */
 
-/* Accepts any shape. */
+/* Accepts any shape. Rejects masked elements, as do the functions below. */
 Floats floats(const py::object& value, const std::string& argument);
 
 /* Shapes (n,), (n, 2) and (n, 3). The last two must be finite. */

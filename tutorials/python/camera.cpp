@@ -7,6 +7,8 @@
 
 #include "tracing/ray_sets.h"
 
+#include <cmath>
+
 namespace cbvh::python {
 
 ImageSize imageSize(std::pair<int, int> size)
@@ -50,6 +52,8 @@ py::tuple arraysOf(const std::vector<Ray>& rays)
 py::tuple bounce(const Hits& hits, const py::object& origins, const py::object& directions, float offset, size_t count,
                  uint32_t seed)
 {
+  if (!(offset >= 0.0f) || !std::isfinite(offset))
+    throwValueError("offset", "is " + std::to_string(offset) + ": expected a finite number of at least 0");
   const Rays rays = readRays(origins, directions);
   requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return arraysOf(bounceRays(rays.rays, hits.hits, {count, offset, seed}));

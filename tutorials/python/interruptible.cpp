@@ -72,10 +72,12 @@ std::unique_lock<std::timed_mutex> lockCalls()
 class Task
 {
 public:
-  explicit Task(const std::function<void()>& work)
+  Task() { setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); }); }
+
+  /* Separate from the constructor: the destructor must also run if the system refuses the thread. */
+  void start(const std::function<void()>& work)
   {
-    setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); });
-    worker = std::thread([this, work] {
+    worker = std::thread([this, &work] {
       try
       {
         work();
@@ -165,7 +167,9 @@ void runInterruptible(const py::object& progress, const std::function<void()>& w
     throw py::type_error("progress: is not callable: expected None or a callable");
   const RunningCall counted;
   const std::unique_lock<std::timed_mutex> lock = lockCalls();
-  Task(work).wait(progress);
+  Task task;
+  task.start(work);
+  task.wait(progress);
 }
 
 bool interpreterEnds() { return ending; }

@@ -315,6 +315,8 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 {
   requireHitsOf(scene, hits, "hits");
+  if (!(time >= 0.0f && time <= 1.0f))
+    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
   Shape shape = hits.shape;
   shape.insert(shape.end(), {3, 3});
   py::array_t<float> array(shape);
