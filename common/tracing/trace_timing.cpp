@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <ctime>
+#include <exception>
 #include <thread>
 
 namespace cbvh {
@@ -92,14 +93,21 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
     }
     hits += count;
   };
+  const size_t useful = std::min(size_t(settings.threads), chunks * settings.passes);
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < settings.threads; i++)
-    pool.emplace_back([&] {
-      waiting++;
-      while (!go)
-        std::this_thread::yield();
-      work();
-    });
+  try
+  {
+    for (size_t i = 1; i < useful; i++)
+      pool.emplace_back([&] {
+        waiting++;
+        while (!go)
+          std::this_thread::yield();
+        work();
+      });
+  }
+  catch (const std::exception&) // a limit of the system
+  {
+  }
   while (waiting < pool.size())
     std::this_thread::yield();
   const auto clock = settings.threads > 1 ? wallSeconds : threadSeconds;
