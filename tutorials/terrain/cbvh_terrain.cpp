@@ -142,8 +142,8 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
 {
   const double buildSeconds = secondsOf([&] { build(options, elevation, terrain); });
   if (terrain.numQuads() == 0)
-    throw Error(options.elevation.path + ": no quad has four usable samples: expected heights of magnitudes that are "
-                "neither missing nor huge");
+    throw Error(options.elevation.path + ": no quad has four valid samples: expected heights that are neither "
+                "missing nor huge");
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   const double quads = double(terrain.numQuads()), mebibyte = 1 << 20;
