@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 
 namespace cbvh {
 namespace {
@@ -40,21 +41,32 @@ private:
   int64_t end = 0;
 };
 
+std::unique_ptr<OIIO::ImageOutput> createOutput(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  auto output = OIIO::ImageOutput::create(extension.empty() ? "png" : extension.substr(1));
+  if (!output)
+    throw Error(path + ": cannot be written: " + OIIO::geterror());
+  return output;
+}
+
 } // namespace
 
 void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels)
 {
   PendingFile file(path);
   PendingProxy proxy(file, path); // outlives the output, whose destructor may write
-  const std::string extension = std::filesystem::path(path).extension().string();
-  const auto output = OIIO::ImageOutput::create(extension.empty() ? "png" : extension.substr(1));
-  if (!output)
-    throw Error(path + ": cannot be written: " + OIIO::geterror());
+  const auto output = createOutput(path);
   if (output->supports("ioproxy"))
     output->set_ioproxy(&proxy);
   if (!output->open(file.temporary(), spec) || !output->write_image(type, pixels) || !output->close())
     throw Error(path + ": cannot be written: " + (file.error().empty() ? output->geterror() : file.error()));
   file.commit();
+}
+
+void requireImageFormat(const std::string& path)
+{
+  createOutput(path);
 }
 
 } // namespace cbvh

@@ -13,4 +13,7 @@ namespace cbvh {
  * `pixels`. Throws Error with the path. */
 void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels);
 
+/* Throws Error with the path if OpenImageIO cannot write the format that the extension selects. */
+void requireImageFormat(const std::string& path);
+
 } // namespace cbvh

@@ -52,4 +52,16 @@ void validateOutputs(const SceneSettings& model, const std::vector<Output>& outp
   }
 }
 
+void requireFolders(const std::vector<Output>& outputs)
+{
+  for (const Output& output : outputs)
+  {
+    const fs::path folder = fs::path(output.path).parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !fs::is_directory(folder, ignored))
+      throw Error(output.option + " '" + output.path + "': there is no folder " + folder.string() +
+                  ": expected an existing folder");
+  }
+}
+
 } // namespace cbvh

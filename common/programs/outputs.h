@@ -19,4 +19,7 @@ struct Output
  * output. Compares the files to which paths lead. */
 void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs);
 
+/* Throws Error with the option if the folder of an output does not exist. */
+void requireFolders(const std::vector<Output>& outputs);
+
 } // namespace cbvh

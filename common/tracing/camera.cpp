@@ -3,7 +3,9 @@
 
 #include "tracing/camera.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace cbvh {
 
@@ -11,9 +13,11 @@ Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
   : origin(eye), target(lookAt), fieldOfView(fov), image(size)
 {
   forward = normalize(lookAt - eye);
-  right = cross(forward, up);
-  if (length(right) < 1e-6f) // the view is along the up vector
-    right = cross(forward, Vec3f{up.y, up.z, up.x});
+  const float largest = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
+  const Vec3f axis = normalize(Vec3f{up.x / largest, up.y / largest, up.z / largest});
+  for (Vec3f other : {axis, Vec3f{axis.y, axis.z, axis.x}, Vec3f{axis.x, -axis.y, axis.z}})
+    if (length(right) < 1e-6f) // the view is along the previous one
+      right = cross(forward, other);
   right = normalize(right);
   down = cross(forward, right);
   pixel = 2.0f * std::tan(0.5f * fov * float(M_PI) / 180.0f) / float(size.height);

@@ -48,7 +48,7 @@ std::vector<Ray> coherentRays(const std::vector<Ray>& primary, ImageSize size, s
   constexpr int tile = 8;
   const int columns = (size.width + tile - 1) / tile, rows = (size.height + tile - 1) / tile;
   const size_t tiles = size_t(columns) * rows;
-  const size_t wanted = count == 0 ? tiles : std::min(tiles, (count + tile * tile - 1) / (tile * tile));
+  const size_t wanted = count == 0 ? tiles : std::min(tiles, (count - 1) / (tile * tile) + 1);
   std::vector<Ray> rays;
   rays.reserve(wanted * tile * tile);
   for (size_t i = 0; i < wanted; i++)

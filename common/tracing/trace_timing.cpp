@@ -93,10 +93,11 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
     }
     hits += count;
   };
+  const size_t useful = std::min(size_t(settings.threads), chunks * settings.passes);
   std::vector<std::thread> pool;
   try
   {
-    for (unsigned i = 1; i < settings.threads; i++)
+    for (size_t i = 1; i < useful; i++)
       pool.emplace_back([&] {
         waiting++;
         while (!go)

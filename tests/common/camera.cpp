@@ -80,5 +80,28 @@ TEST(Camera, DescriptionsFarFromTheOriginDistinguishCameras)
   EXPECT_NE(camera.description(), beside.description());
 }
 
+/* Only the direction of the up vector matters. */
+TEST(Camera, LengthOfTheUpVectorHasNoEffect)
+{
+  const ImageSize size{4, 3};
+  const Vec3f up{1, 2, -3};
+  const Vec3f expected = Camera({5, 1, 2}, {}, up, 35, size).direction(0, 0);
+  for (float length : {1e-40f, 1e-20f, 1e-7f, 1e7f, 1e20f, 1e38f})
+  {
+    const Vec3f found = Camera({5, 1, 2}, {}, length * up, 35, size).direction(0, 0);
+    EXPECT_NEAR(dot(found, expected), 1.0f, 1e-4f) << length;
+  }
+}
+
+TEST(Camera, ViewsAlongTheUpVectorHaveDifferentDirections)
+{
+  for (const Vec3f& up : {Vec3f{0, 1, 0}, Vec3f{1, 1, 1}, Vec3f{-1, -1, -1}, Vec3f{1, -1, 1}})
+  {
+    const Camera camera({}, up, up, 35, {2, 2});
+    EXPECT_LT(dot(camera.direction(0, 0), camera.direction(1, 0)), 0.97f);
+    EXPECT_LT(dot(camera.direction(0, 0), camera.direction(0, 1)), 0.97f);
+  }
+}
+
 } // namespace
 } // namespace cbvh::test

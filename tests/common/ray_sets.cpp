@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <set>
 
 namespace cbvh::test {
@@ -35,6 +36,7 @@ TEST(RaySets, FewerCoherentRaysAreWholeTiles)
 {
   const ImageSize size{64, 64};
   EXPECT_EQ(coherentRays(numbered(size), size, 1000).size(), size_t(16 * 64));
+  EXPECT_EQ(coherentRays(numbered(size), size, SIZE_MAX).size(), size_t(64 * 64));
 }
 
 TEST(RaySets, BouncesStartOffTheSurfaceOnTheCamerasSide)

@@ -65,6 +65,17 @@ for where in /dev/null "$folder/fifo" /dev/stdout; do
   expect_refusal "save.*regular file\|expected a regular file" $quick $out --scene cube --save "$where"
 done
 
+# A name that is not UTF-8 is readable JSON.
+cp "$folder/quad.obj" "$folder"/$'quad\xff.obj'
+run "$folder"/$'quad\xff.obj' --json "$folder/byte.json" >/dev/null
+is_json "$folder/byte.json"
+run --scene cube --save "$folder"/$'cube\xff.cbvh' >/dev/null
+"$program" "$folder"/$'cube\xff.cbvh' --size 32x24 --output "$folder/out" --json "$folder/byte2.json" >/dev/null 2>&1
+is_json "$folder/byte2.json"
+"$bench" --scene cube --level 2 --representation grid --repeat 0 --size 16x16 --json "$folder"/$'byte\xff.json' \
+  >/dev/null 2>&1
+is_json "$folder"/$'byte\xff.json'
+
 # Reading a FIFO must not block.
 mv "$folder/fifo" "$folder/fifo.cbvh"
 for arguments in "--load $folder/fifo.cbvh" "$folder/fifo.cbvh"; do

@@ -53,6 +53,12 @@ fi
 refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
 refuses "unknown option --representaton, did you mean --representation" --scene cube --representaton grid
 refuses "scene 'teapot'.*cube, frog" --scene teapot
+for option in --json --export --save; do
+  refuses "${option#--} '$folder/missing/x': there is no folder $folder/missing" --scene cube "$option" "$folder/missing/x"
+done
+for option in --rays --true-surface; do
+  refuses "${option#--}: .*-1" --scene cube --speed $option -1
+done
 refuses "count 0 is out of range" --scene herd --count 0
 refuses "count .*--scene herd" --scene frog --count 3
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
@@ -164,6 +170,8 @@ grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent ra
 for key in speed incoherent mrays_per_second picture_seconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
 done
+"$program" --load "$folder/cube.cbvh" --size 64x1 --output "$folder/row.out" >/dev/null 2>"$folder/stderr" ||
+  complain "a file in a single row of pixels: $(cat "$folder/stderr")"
 run_file loaded_up --load "$folder/cube.cbvh" --up z
 run_file loaded_full --load "$folder/cube.cbvh"
 cmp -s "$folder/loaded_up.out/cube_cvert.png" "$folder/loaded_full.out/cube_cvert.png" &&

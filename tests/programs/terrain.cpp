@@ -18,6 +18,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace cbvh {
@@ -189,11 +190,40 @@ TEST_F(Terrain, LosslessVerticesDoNotMove)
   EXPECT_NE(textOf("/stdout").find("a vertex moved: 0\n"), std::string::npos) << textOf("/stdout");
 }
 
+/* Before horizons are computed, which may take hours. */
+TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
+  const std::pair<std::string, std::string> outputs[] = {{folder + "/missing/a.tif", "there is no folder"},
+                                                         {folder + "/a.xyz", "cannot be written"},
+                                                         {path, "would replace an input"},
+                                                         {"''", "invalid --output ''"}};
+  for (const auto& [output, text] : outputs)
+  {
+    const std::string command = std::string(PROGRAM) + " " + path + " --output " + output;
+    const int status = std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << command;
+    EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
+    EXPECT_EQ(textOf("/stdout"), "");
+  }
+}
+
+TEST_F(Terrain, AnyNameOfPngSelects16Bits)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills) + " --azimuths 4";
+  const Picture expected = run(path, ".png");
+  for (const char* extension : {".PNG", ""})
+    EXPECT_EQ(run(path, extension).values, expected.values) << extension;
+}
+
 TEST_F(Terrain, InvalidArgumentsAreRejected)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
   expectRefusal(path + " --crop 0,0,22,21", "0,0,21,21");
   expectRefusal(path + " --cell 0", "--cell 0");
+  expectRefusal(path + " --accuracy nan", "--accuracy nan");
+  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return NAN; }), "no quad");
+  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int x, int) { return x % 2 ? 3e38 : -3e38; }), "no quad");
   expectRefusal(path + " --height-repeat 0", "--height-repeat '0'");
   expectRefusal(path + " --height-repeat 1.5", "--height-repeat '1.5'");
   expectRefusal(path + " --height-repeat 1x100000", "--height-repeat 1x100000");

@@ -52,6 +52,7 @@ refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "threads -1 is negative" --scene cube --threads -1
 refuses "samples" --scene cube --samples 0
 refuses "time" --scene cube --motion turn --time 2
+refuses "time nan: expected 0 to 1" --scene cube --motion turn --time nan
 refuses "paint" --scene cube --paint red
 refuses "$folder/missing/out.png" --scene cube --level 2 --output "$folder/missing/out.png"
 refuses "$folder/out.txt" --scene cube --level 2 --output "$folder/out.txt"

@@ -125,6 +125,8 @@ class Cages(unittest.TestCase):
                 (TypeError, "indices: is an array of float64.*integers", (vertices, faces * 1.0), {}),
                 (ValueError, "indices: .* -1.* 0 to 8", (vertices, faces - 1), {}),
                 (ValueError, "indices: .* 9.* 0 to 8", (vertices, faces + 1), {}),
+                (ValueError, "indices: contains 18446744073709551615:",
+                 (vertices, np.full(faces.shape, 2**64 - 1, np.uint64)), {}),
                 (ValueError, "indices: has shape", (vertices, flat), {}),
                 (ValueError, "indices: has shape", (vertices, []), {}),
                 (ValueError, "indices: has no faces", (vertices, [], []), {}),

@@ -66,6 +66,19 @@ class Files(unittest.TestCase):
             with self.assertRaises(TypeError):
                 call(1)
 
+    def test_paths_may_contain_bytes_that_are_not_utf8(self):
+        folder = os.path.dirname(self.path)
+        cage_path, path = (os.path.join(folder, os.fsdecode(name)) for name in (b"quad\xff.obj", b"sheet\xff.cbvh"))
+        with self.assertRaisesRegex(cbvh.Error, "No such file"):
+            cbvh.load(path)
+        with open(cage_path, "w", encoding="ascii") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        model = cbvh.Model(cbvh.Cage.load(cage_path))
+        scene = cbvh.build(model, "cvert", 3)
+        scene.save(path)
+        for text in (model.name, model.cage.name, repr(model), repr(model.cage), repr(scene), repr(cbvh.load(path))):
+            self.assertIn(b"\xff", os.fsencode(text))
+
     def test_damage_is_reported_to_the_caller_that_traces(self):
         origins, directions = rays_from_above()
         cbvh.build(bumpy_model(), "cvert", 6).save(self.path)

@@ -83,6 +83,9 @@ class Motion(unittest.TestCase):
         for time in (-1, 1.5, np.nan):
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.triangles(hits, time=time)
+        for time in (-0.1, 1.1, np.nan):
+            with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+                scene.tessellation(time=time)
 
     def test_models_report_their_steps(self):
         self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])
@@ -174,6 +177,8 @@ class Rays(unittest.TestCase):
     def test_any_hit_respects_tnear_and_tfar(self):
         found = self.scene.occluded([0.5, 0.5, 1], [0, 0, -1], tnear=[0, 1.5], tfar=[0.5, np.inf])
         self.assertEqual(found.tolist(), [False, False])
+        found = self.scene.occluded([0.5, 0.5, 1], [0, 0, -1], tfar=[-1, -np.inf, np.nan, 2])
+        self.assertEqual(found.tolist(), [False, False, False, True])
         self.assertTrue(self.scene.occluded([0.5, 0.5, 1], [0, 0, -1])[()])
 
     def test_invalid_arrays_are_reported_by_name(self):
@@ -220,6 +225,13 @@ class Building(unittest.TestCase):
         self.assertLess(kept["cgrid"]["live_bytes"], kept["grid"]["live_bytes"])
         self.assertLess(kept["grid"]["live_bytes"], kept["naive-compact"]["live_bytes"])
         self.assertLess(kept["naive-compact"]["live_bytes"], kept["naive"]["live_bytes"])
+
+    def test_repr_contains_long_names(self):
+        vertices, faces = sheet_arrays()
+        for name in ("x" * 1000, "ä" * 500, "xä" * 300):
+            text = repr(cbvh.build(cbvh.Cage(vertices, faces, name=name), "cvert", 2))
+            self.assertIn(f"'{name}'", text)
+            self.assertIn("400 quads", text)
 
     def test_cage_can_be_used_as_model_without_displacement(self):
         scene = cbvh.build(sheet(), level=3)
@@ -324,6 +336,7 @@ class Cameras(unittest.TestCase):
         for text, arguments in (("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
                                 (r"eye: has shape \(2,\)", ((0, 0), (0, 0, 1))),
                                 ("eye: is not finite", ((0, 0, np.nan), (0, 0, 1))),
+                                ("look_at: is 1e.30 away", ((0, 0, 1e30), (0, 0, 0))),
                                 ("up: has length 0", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
                                 ("fov: is 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
                                 (r"size: is \(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):

@@ -37,7 +37,7 @@ struct Batches
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
                     const BuildSize& size, size_t available, const std::vector<bool>& compresses = {true});
 
-/* Upper estimates in bytes for all libraries: of the baselines, and of these with a variant that is too large. */
+/* Upper estimates in bytes for all libraries: baselines alone, and with a variant that is too large. */
 size_t baselineBytes(const Batches& batches, const BuildSize& size);
 size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size);
 

@@ -228,7 +228,7 @@ void measure(const Options& options, const std::string& accel, size_t count)
   for (RTCScene other : others) rtcReleaseScene(other);
   const double speed = traced(scene, shapes.rays(options.rays), options.repeat);
   rtcReleaseScene(scene);
-  const auto share = [&](const std::vector<double>& times) {
+  const auto secondsAndShare = [&](const std::vector<double>& times) {
     if (times.empty()) return std::string("-");
     char text[64];
     std::snprintf(text, sizeof(text), "%.5f (%.2f%%)", median(times), 100 * median(times) / all);
@@ -236,8 +236,8 @@ void measure(const Options& options, const std::string& accel, size_t count)
   };
   const double MiB = 1 << 20;
   std::printf("| %zu | %s | %.0f | %.4f | %.4f | %s | %s | %.5f | %.1f | %.1f | %.1f | %.1f | %.1f | %.3f |\n", count,
-              accel.c_str(), double(rate), made, all, share(edits).c_str(), share(masks).c_str(), second,
-              double(input) / MiB, double(bytes) / MiB, double(peak) / MiB, double(more[0]) / MiB,
+              accel.c_str(), double(rate), made, all, secondsAndShare(edits).c_str(), secondsAndShare(masks).c_str(),
+              second, double(input) / MiB, double(bytes) / MiB, double(peak) / MiB, double(more[0]) / MiB,
               double(more[1]) / MiB, speed);
   std::fflush(stdout);
 }
@@ -248,7 +248,7 @@ int run(int argc, char** argv)
   CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.",
                "cbvh_commits");
   app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
-    ->type_name("LIST")->delimiter(',')->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")
     ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--shape", options.shape, "shape of a geometry: ball (6 faces), face, or sheet (64 x 64 faces)")

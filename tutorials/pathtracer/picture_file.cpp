@@ -5,13 +5,13 @@
 #include "basics/error.h"
 #include "pictures/exr_file.h"
 #include "pictures/image_output.h"
+#include "programs/outputs.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 
 #include <filesystem>
-#include <system_error>
 
 namespace cbvh {
 namespace {
@@ -43,10 +43,7 @@ void validatePicturePath(const std::string& path)
 {
   if (!isExr(path) && std::filesystem::path(path).extension() != ".png")
     throw Error("invalid --output '" + path + "': expected a name that ends in .exr or .png");
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code ignored;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw Error("--output '" + path + "': there is no folder " + folder.string() + ": expected an existing folder");
+  requireFolders({{"--output", path}});
 }
 
 Image toImage(ImageSize size, const std::vector<Vec3f>& pixels)

@@ -115,15 +115,17 @@ Vec3f vec3(const py::object& value, const std::string& argument)
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
                               std::optional<unsigned> none)
 {
-  const Integers array(numbers(value, argument, "iu", "integers"));
+  const py::array given = numbers(value, argument, "iu", "integers");
+  const bool isUnsigned = given.dtype().kind() == 'u';
+  const Integers array(given);
   shape = shapeOf(array);
   std::vector<unsigned> result(static_cast<size_t>(array.size()));
   for (size_t i = 0; i < result.size(); i++)
   {
     const int64_t index = array.data()[i];
     if ((index < 0 || uint64_t(index) >= limit) && !(none && index == *none))
-      throwValueError(argument, "contains " + std::to_string(index) + ": expected 0 to " +
-                                  std::to_string(int64_t(limit) - 1));
+      throwValueError(argument, "contains " + (isUnsigned ? std::to_string(uint64_t(index)) : std::to_string(index)) +
+                                  ": expected 0 to " + std::to_string(int64_t(limit) - 1));
     result[i] = unsigned(index);
   }
   return result;
@@ -160,6 +162,11 @@ size_t choice(const std::string& word, const std::string& argument, const std::v
   for (size_t i = 0; i < words.size(); i++)
     expected += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + ("'" + words[i] + "'");
   throwValueError(argument, "is '" + word + "': expected " + expected);
+}
+
+py::str stringOf(const std::string& text)
+{
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), "surrogateescape"));
 }
 
 py::array_t<float> arrayOf(Vec3f v)

@@ -57,7 +57,10 @@ size_t choice(const std::string& word, const std::string& argument, const std::v
 
 /* --- results ------------------------------------------------------------------ */
 
-/* A read-only array of data of a Python object, which it keeps alive. */
+/* Decodes UTF-8. Other bytes, as in names of files, become surrogates, as in os.fsdecode. */
+py::str stringOf(const std::string& text);
+
+/* Returns a read-only array of data that belongs to `owner`. Keeps `owner` alive. */
 template<typename T>
 py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner)
 {

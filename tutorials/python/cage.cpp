@@ -194,7 +194,7 @@ void defineCage(py::module_& module)
 path: of the file, str or os.PathLike.
 
 Raises Error with the line for a file that cannot be read, and Error if OpenSubdiv rejects the topology.)")
-    .def_readonly("name", &Cage::name, "Name in messages.")
+    .def_property_readonly("name", [](const Cage& c) { return stringOf(c.name); }, "Name in messages.")
     .def_property_readonly("vertices", array<float>(&Cage::positions), "(n, 3) float32: control points.")
     .def_property_readonly("face_vertex_counts", array<unsigned>(&Cage::faceSizes),
                            "(f,) uint32: corners of each face.")
@@ -213,8 +213,8 @@ Raises Error with the line for a file that cannot be read, and Error if OpenSubd
     .def_property_readonly("bounds", [](const Cage& c) { return arrayOf(c.bounds()); },
                            "(2, 3) float32: lower and upper corner of the bounding box of all vertices with faces.")
     .def("__repr__", [](const Cage& c) {
-      return "<Cage '" + c.name + "' of " + std::to_string(c.numFaces()) + " faces and " +
-             std::to_string(c.positions.size()) + " vertices>";
+      return stringOf("<Cage '" + c.name + "' of " + std::to_string(c.numFaces()) + " faces and " +
+                      std::to_string(c.positions.size()) + " vertices>");
     });
 }
 

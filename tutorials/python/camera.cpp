@@ -8,6 +8,7 @@
 #include "tracing/ray_sets.h"
 
 #include <cmath>
+#include <cstdio>
 
 namespace cbvh::python {
 
@@ -26,9 +27,14 @@ Camera makeCamera(const py::object& eye, const py::object& lookAt, const py::obj
                   std::pair<int, int> size)
 {
   const Vec3f from = vec3(eye, "eye"), to = vec3(lookAt, "look_at"), upwards = vec3(up, "up");
-  if (!(length(to - from) > 0.0f))
-    throwValueError("look_at", "equals eye: expected another point");
-  if (!(length(upwards) > 0.0f))
+  const double distance = length(toDouble(to) - toDouble(from));
+  if (!(distance >= 1e-18 && distance <= 1e18)) // its square is a normal float
+  {
+    char text[64];
+    std::snprintf(text, sizeof(text), "is %g away from eye: expected 1e-18 to 1e18", distance);
+    throwValueError("look_at", text);
+  }
+  if (upwards.x == 0.0f && upwards.y == 0.0f && upwards.z == 0.0f)
     throwValueError("up", "has length 0: expected a direction");
   if (!(fov > 0.0f && fov < 180.0f))
     throwValueError("fov", "is " + std::to_string(fov) + ": expected more than 0 and less than 180 degrees");

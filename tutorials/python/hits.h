@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* NumPy arrays as rays, and hits as NumPy arrays. Both keep the shape without the last axis of x, y and z. */
+/* Converts NumPy arrays to rays, and hits to NumPy arrays. Shapes exclude the last axis, x, y and z. */
 
 #include "arrays.h"
 

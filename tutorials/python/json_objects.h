@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Names stay the same. */
+/* Converts JSON to Python objects. Names stay the same. */
 
 #include <nlohmann/json.hpp>
 #include <pybind11/pybind11.h>

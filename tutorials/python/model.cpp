@@ -320,7 +320,7 @@ void defineModel(py::module_& module)
                 py::arg("motion") = "", py::arg("steps") = py::none(),
                 py::arg("map_folder") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(), sceneText)
     .def_readonly("cage", &Model::cage, "The Cage.")
-    .def_readonly("name", &Model::name, "Name of the scene or of the cage.")
+    .def_property_readonly("name", [](const Model& m) { return stringOf(m.name); }, "Name of the scene or of the cage.")
     .def_property_readonly("copies", [](const Model& m) { return m.copies.size(); },
                            "Number of copies of the cage, each a geometry of its own: 1 except for herd.")
     .def_property_readonly("steps", [](const Model& m) { return 1 + m.poses.size(); },
@@ -334,8 +334,8 @@ void defineModel(py::module_& module)
     .def("tessellate", &tessellateModel, py::arg("level"), py::kw_only(), py::arg("threads") = 0,
          py::arg("progress") = py::none(), tessellateText.c_str())
     .def("__repr__", [](const Model& m) {
-      return "<Model '" + m.name + "' of " + std::to_string(m.numFaces()) + " faces, " +
-             (m.displacement ? "displaced>" : "not displaced>");
+      return stringOf("<Model '" + m.name + "' of " + std::to_string(m.numFaces()) + " faces, " +
+                      (m.displacement ? "displaced>" : "not displaced>"));
     });
   py::implicitly_convertible<Cage, Model>();
 

@@ -48,7 +48,7 @@ void translate(std::exception_ptr thrown)
   }
   catch (const Error& e)
   {
-    PyErr_SetString(errorType, e.what());
+    PyErr_SetObject(errorType, stringOf(e.what()).ptr());
   }
 }
 

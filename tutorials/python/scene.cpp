@@ -156,12 +156,12 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
       load(rays[i], batch[i - begin]);
     scene.tracer().occluded(batch.data(), batch.size());
     for (size_t i = begin; i < end; i++)
-      hit[i] = batch[i - begin].tfar < 0.0f;
+      hit[i] = batch[i - begin].tfar < 0.0f && !(rays[i].tfar < 0.0f);
   });
   return hit;
 }
 
-/* For Scene and LoadedScene, as the next function. */
+/* Here and below, Traced is Scene or LoadedScene. */
 template<typename Traced>
 py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
@@ -332,6 +332,8 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 
 py::dict tessellation(const Scene& scene, float time)
 {
+  if (!(time >= 0.0f && time <= 1.0f))
+    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
   const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
   py::dict result;
   const auto coordinate = [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; };
@@ -516,11 +518,11 @@ void defineScene(py::module_& module)
                            "Label; with a frame level as in the paper: 'cLEAF^2'.")
     .def_readonly("level", &Scene::level, "2**level x 2**level quads per face.")
     .def("__repr__", [](const Scene& s) {
-      char text[160];
-      std::snprintf(text, sizeof(text), "<Scene '%s' in %s at level %d: %zu quads, %.2f bytes each>",
-                    s.model->name.c_str(), s.built.representation().label().c_str(), s.level, s.built.report().quads,
-                    s.built.report().bytesPerQuad());
-      return std::string(text);
+      char bytes[32];
+      std::snprintf(bytes, sizeof(bytes), "%.2f", s.built.report().bytesPerQuad());
+      return stringOf("<Scene '" + s.model->name + "' in " + s.built.representation().label() + " at level " +
+                      std::to_string(s.level) + ": " + std::to_string(s.built.report().quads) + " quads, " + bytes +
+                      " bytes each>");
     });
 
   py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene",
@@ -544,8 +546,8 @@ void defineScene(py::module_& module)
                            "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
     .def("__repr__", [](const LoadedScene& s) {
       const size_t n = s.saved.geometries().size();
-      return "<LoadedScene '" + s.path + "': " + std::to_string(n) + (n == 1 ? " geometry, " : " geometries, ") +
-             std::to_string(s.saved.quads()) + " quads>";
+      return stringOf("<LoadedScene '" + s.path + "': " + std::to_string(n) +
+                      (n == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>");
     });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),

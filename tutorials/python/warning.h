@@ -10,12 +10,12 @@
 
 namespace cbvh::python {
 
-/* One warning per line. Requires the interpreter's lock. */
+/* Issues a Python warning per line. Replaces bytes that are not UTF-8. Requires the interpreter's lock. */
 inline void warn(const std::string& lines)
 {
   std::istringstream stream(lines);
   for (std::string line; std::getline(stream, line);)
-    if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1))
+    if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%s", line.c_str()))
       throw pybind11::error_already_set(); // the user turned warnings into errors
 }
 

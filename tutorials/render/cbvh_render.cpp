@@ -7,6 +7,7 @@
 #include "saved_scene_picture.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
+#include "programs/outputs.h"
 #include "programs/run_program.h"
 
 namespace {
@@ -19,6 +20,7 @@ int run(int argc, char** argv)
   cbvh::installCancelHandler();
   cbvh::forceExitAfterCancel("cbvh_render");
   cbvh::prepareOutputFolder(options->output);
+  cbvh::requireFolders({{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
   if (!options->loadPath.empty())
   {
     cbvh::renderSavedScene(*options);
@@ -31,9 +33,9 @@ int run(int argc, char** argv)
     return 0;
   }
   const cbvh::Comparison comparison = cbvh::runComparison(*options, view);
+  cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
   if (!options->json.empty())
     cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
-  cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
   return 0;
 }
 

@@ -15,11 +15,11 @@ struct MemoryPlan
 {
   /* In the order of building: GRID, which stays in memory, then NAIVE and NAIVE-compact, then the compressed ones. */
   std::vector<Representation> built;
-  std::vector<std::string> skipped; // reasons, one line per other representation
+  std::vector<std::string> skipped; // one line per representation that is left out
 };
 
-/* Leaves out compressed representations that do not fit alone, GRID if it does not fit next to the largest other one,
- * and NAIVE and NAIVE-compact if they do not fit next to GRID. `available` is in bytes. Throws Error if nothing
+/* Leaves out compressed representations that do not fit alone, GRID if it does not fit next to the largest compressed
+ * one, and NAIVE and NAIVE-compact if they do not fit next to GRID. `available` is in bytes. Throws Error if nothing
  * fits. */
 MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 

@@ -4,8 +4,7 @@
 #include "report.h"
 #include "programs/compression_json.h"
 #include "programs/errors_json.h"
-
-#include <nlohmann/json.hpp>
+#include "programs/json_text.h"
 
 namespace cbvh {
 namespace {
@@ -52,7 +51,7 @@ std::string formatJson(const Comparison& c)
     out["level"] = "auto";
     out["quad_size"] = c.quadSize;
   }
-  else
+  else if (!c.isMesh)
     out["level"] = c.build.level;
   out["device"] = c.build.device;
   if (!c.results.empty() && c.results[0].build.onDevice)
@@ -69,7 +68,7 @@ std::string formatJson(const Comparison& c)
   out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
     out["results"].push_back(resultJson(r, c.compares, c.speed));
-  return out.dump(2) + "\n";
+  return textOfJson(out, 2);
 }
 
 } // namespace cbvh

@@ -12,13 +12,12 @@
 #include "building/saved_scene.h"
 #include "building/scene_file_builder.h"
 #include "pictures/sampled_picture.h"
+#include "programs/json_text.h"
 #include "programs/view_options.h"
 #include "tracing/camera.h"
 #include "tracing/ray_conversion.h"
 #include "tracing/ray_sets.h"
 #include "tracing/trace_hits.h"
-
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cmath>
@@ -30,11 +29,10 @@ namespace {
 
 /* Time of a ray through the middle of the picture, including initialization for a thread's first ray unless a close
  * view was fitted by tracing. */
-double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
+double firstRaySeconds(const SavedScene& scene, const Camera& camera)
 {
-  const std::vector<Ray> rays = primaryRays(camera);
   RTCRayHit ray;
-  load(rays[rays.size() / 2 + size_t(options.size.width) / 2], ray);
+  load(primaryRay(camera, camera.size().width / 2, camera.size().height / 2), ray);
   const auto start = std::chrono::steady_clock::now();
   EmbreeTracer(scene.handle()).intersect(&ray, 1);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -66,7 +64,7 @@ void render(const Options& options, const std::string& file, const std::string& 
   const SavedScene scene(file, threads, options.build.isa);
   const Model box = fixed ? Model() : boxModel(name, scene.bounds(), options.scene.up);
   const Camera camera = fixed ? *fixed : chooseCamera(options.view, box, scene, options.size, threads);
-  const double firstRay = firstRaySeconds(options, scene, camera);
+  const double firstRay = firstRaySeconds(scene, camera);
 
   SampledPicture picture(camera, options.crop, fixed ? up : box.view.up, options.colors);
   std::vector<Ray> firstRays;
@@ -117,7 +115,7 @@ void render(const Options& options, const std::string& file, const std::string& 
                {"first_ray_seconds", scene.seconds() + firstRay},
                {"picture_seconds", pictureSeconds},
                {"live_bytes", scene.liveBytes()}});
-  writeTextFile(options.json, json.dump(2) + "\n");
+  writeTextFile(options.json, textOfJson(json, 2));
 }
 
 } // namespace

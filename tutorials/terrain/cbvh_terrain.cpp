@@ -9,13 +9,16 @@
 #include "options.h"
 #include "basics/error.h"
 #include "basics/image_file.h"
+#include "basics/input_files.h"
 #include "basics/parallel.h"
 #include "basics/seconds.h"
+#include "basics/text.h"
 #include "programs/run_program.h"
 
 #include <sys/resource.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 namespace cbvh {
@@ -138,6 +141,9 @@ template<typename Terrain>
 void measure(const Options& options, Elevation& elevation, Terrain& terrain)
 {
   const double buildSeconds = secondsOf([&] { build(options, elevation, terrain); });
+  if (terrain.numQuads() == 0)
+    throw Error(options.elevation.path + ": no quad has four valid samples: expected heights that are neither "
+                "missing nor huge");
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   const double quads = double(terrain.numQuads()), mebibyte = 1 << 20;
@@ -157,7 +163,7 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
       size_t traced = 0;
       for (size_t i = begin; i < end; i++)
       {
-        const int x = x0 + int(i) % w, y = y0 + int(i) / w;
+        const int x = x0 + int(i % size_t(w)), y = y0 + int(i / size_t(w));
         const Vec3f from = vertexAt(options, elevation, x, y, heights[i] + options.startHeight);
         factors[i] = std::isfinite(from.z) ? skyViewFactor(options, terrain, from, traced) : NAN;
       }
@@ -174,7 +180,8 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; "
               "mean sky-view factor %.4f\n",
               w, h, options.azimuths, million, seconds, million / seconds, valid ? sum / double(valid) : NAN);
-  const bool isPng = options.output.size() > 4 && options.output.substr(options.output.size() - 4) == ".png";
+  const std::string extension = lowerCase(std::filesystem::path(options.output).extension().string());
+  const bool isPng = extension == ".png" || extension.empty();
   const OIIO::ImageSpec spec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT);
   writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
 }
@@ -186,6 +193,7 @@ int run(int argc, char** argv)
     return 0;
   installCancelHandler();
   Elevation elevation(options.elevation);
+  requireNoInputFile(options.output);
   setCrop(options, elevation);
   if (options.embree.empty())
     measure(options, elevation, *std::make_unique<CompressedTerrain>(options));

@@ -20,7 +20,7 @@ namespace {
 constexpr float longestWave = 256;
 constexpr int octaves = 7;
 
-/* Index in a raster of n samples of sample i in a sequence of mirrored copies. */
+/* Maps index i in a sequence of mirrored copies to an index in the raster of n samples. */
 int mirrored(int i, int n)
 {
   const int period = 2 * (n - 1), index = i % period;

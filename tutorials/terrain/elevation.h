@@ -17,7 +17,7 @@ namespace cbvh {
 struct ElevationSettings
 {
   std::string path;
-  std::optional<float> nodata;  // of missing samples, in addition to NaN and GDAL's tag
+  std::optional<float> nodata;  // height of missing samples, besides NaN and GDAL's tag
   int repeatX = 1, repeatY = 1; // copies along x and y
   float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
 };

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
+#include "basics/image_file.h"
 #include "programs/command_line.h"
+#include "programs/outputs.h"
 
 namespace cbvh {
 namespace {
@@ -40,7 +42,7 @@ bool parseOptions(Options& options, int argc, char** argv)
   app.add_option("--azimuths", options.azimuths, "directions per sample")
       ->capture_default_str()->check(CLI::Range(1, 3600));
   app.add_option("--accuracy", options.accuracy,
-      "accuracy of horizons in degrees")->capture_default_str()->check(CLI::Range(0.001, 10.0));
+      "accuracy of horizons in degrees, 0.001 to 10")->capture_default_str();
   app.add_option("--max-error", options.maxError,
       "largest spacing of the lattice on which vertices are stored, 0 for lossless [1/128 of a cell]");
   app.add_option("--start-height", options.startHeight,
@@ -59,6 +61,12 @@ bool parseOptions(Options& options, int argc, char** argv)
   requireNotNegative("--start-height", options.startHeight);
   if (!(options.cell > 0) || !std::isfinite(options.cell))
     throw Error("invalid --cell " + shortNumber(options.cell) + ": expected a finite length above 0");
+  if (!(options.accuracy >= 0.001f && options.accuracy <= 10.0f))
+    throw Error("invalid --accuracy " + shortNumber(options.accuracy) + ": expected 0.001 to 10 degrees");
+  if (options.output.empty())
+    throw Error("invalid --output '': expected the name of a file");
+  requireImageFormat(options.output);
+  requireFolders({{"--output", options.output}});
   if (!app.count("--max-error"))
     options.maxError = options.cell / 128;
   if (!app.count("--start-height"))

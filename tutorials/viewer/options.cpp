@@ -3,6 +3,7 @@
 
 #include "options.h"
 #include "basics/error.h"
+#include "basics/image_file.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
 #include "programs/outputs.h"
@@ -59,7 +60,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--time", o.time,
                  "time of a model that moves: 0 is the first time step, 1 the last; the window has a slider")
-    ->type_name("T")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    ->type_name("T")->capture_default_str();
   app.add_flag("--no-window", o.noWindow, "write the picture to --output, and open no window");
   app.add_option("--output", o.output,
                  "file for the picture, which key P of the window saves; the extension selects the format")
@@ -89,6 +90,8 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   validateBuild(o.build);
   if (!o.autoLevel && levels.maxPixelError)
     throw Error("--max-pixel-error needs --level auto");
+  if (!(o.time >= 0.0f && o.time <= 1.0f))
+    throw Error("invalid --time " + shortNumber(o.time) + ": expected 0 to 1");
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(autoPixelError);
   o.scene.threads = o.build.threads;
@@ -108,6 +111,8 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
   validateOutputs(o.scene, {{"--output", o.output}});
+  requireImageFormat(o.output);
+  requireFolders({{"--output", o.output}});
   return o;
 }
 

@@ -46,7 +46,7 @@ struct Pane
   bool canShow(PictureMode mode) const;
 
   const TracedScene* scene = nullptr;
-  const BuiltScene* built = nullptr;     // the same scene, either this or saved
+  const BuiltScene* built = nullptr;     // either built or saved is the scene
   const SavedScene* saved = nullptr;
   const BuiltScene* reference = nullptr; // GRID at the same level, for PictureMode::Error only
 };

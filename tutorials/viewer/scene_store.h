@@ -5,8 +5,7 @@
 
 /* Builds one scene at a time in the background. Earlier scenes stay while there is memory, for switching back.
  *
- * Call all functions on one thread. Requested scenes stay valid until the next request, others
- * until the next poll. */
+ * Call all functions on one thread. Requested scenes stay valid until the next request, others until the next poll. */
 
 #include "building/built_scene.h"
 #include "building/view_dicing.h"

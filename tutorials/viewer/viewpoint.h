@@ -35,8 +35,7 @@ public:
   /* Moves points at distance `depth` by a number of pixels. */
   void pan(float pixelsRight, float pixelsDown, float depth, ImageSize size);
 
-  /* Scales all distances by `factor` and keeps `point` in its pixel. Does nothing at the limits of
-   * floats. */
+  /* Scales all distances by `factor` and keeps `point` in its pixel. Does nothing at the limits of floats. */
   void zoom(Vec3f point, float factor);
 
   void set(const Camera& camera);
