@@ -350,6 +350,11 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
     const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF, value);
     expectError(&args, "frameLevel", std::to_string(value));
   }
+  for (unsigned value : {2u, 3u, ~0u}) {
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
+    args.flags = value;
+    expectError(&args, "flags", std::to_string(value));
+  }
   for (float value : {INFINITY, -INFINITY, NAN}) {
     const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF, 2, value);
     expectError(&args, "maxError", std::isnan(value) ? "nan" : "inf");

@@ -17,8 +17,8 @@ namespace
   CompressionSettings settingsOf (const RTCCompressionArguments& args)
   {
     if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown bits of RTCCompressionFlags in flags "
-                     + std::to_string(args.flags));
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid flags " + std::to_string(args.flags)
+                     + ": expected RTC_COMPRESSION_FLAG_NONE or RTC_COMPRESSION_FLAG_RELEASE_INPUT");
     CompressionSettings settings;
     // memcpy, because a value outside of the enumeration would be undefined behavior
     memcpy(&settings.compression,&args.compression,sizeof(settings.compression));
