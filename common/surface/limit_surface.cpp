@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface/limit_surface.h"
+#include "surface/face_borders.h"
 #include "surface/topology_refiner.h"
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surfaceFactoryCache.h>
 
+#include <algorithm>
 #include <mutex>
+#include <set>
 #include <shared_mutex>
+#include <utility>
 
 namespace cbvh {
 namespace {
@@ -29,13 +33,11 @@ Factory::Options factoryOptions()
   return options;
 }
 
-/* numberOf maps faces to those that remain. */
+/* numberOf maps faces to those that remain. OpenSubdiv prints a warning for each crease without a face. */
 Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
 {
   Cage rest;
   rest.positions = cage.positions;
-  rest.creaseEdges = cage.creaseEdges;
-  rest.creaseSharpness = cage.creaseSharpness;
   rest.cornerVertices = cage.cornerVertices;
   rest.cornerSharpness = cage.cornerSharpness;
   rest.boundary = cage.boundary;
@@ -47,6 +49,24 @@ Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
       rest.faceSizes.push_back(cage.faceSizes[face]);
       const auto first = cage.faceIndices.begin() + ptrdiff_t(corner);
       rest.faceIndices.insert(rest.faceIndices.end(), first, first + cage.faceSizes[face]);
+    }
+  if (cage.creaseEdges.empty())
+    return rest;
+  using Edge = std::pair<unsigned, unsigned>;
+  const auto ordered = [](unsigned a, unsigned b) { return Edge(std::min(a, b), std::max(a, b)); };
+  std::set<Edge> edges;
+  corner = 0;
+  for (unsigned size : rest.faceSizes)
+  {
+    for (unsigned i = 0; i < size; i++)
+      edges.insert(ordered(rest.faceIndices[corner + i], rest.faceIndices[corner + (i + 1) % size]));
+    corner += size;
+  }
+  for (size_t i = 0; i < cage.creaseEdges.size(); i++)
+    if (edges.count(ordered(cage.creaseEdges[i].first, cage.creaseEdges[i].second)))
+    {
+      rest.creaseEdges.push_back(cage.creaseEdges[i]);
+      rest.creaseSharpness.push_back(cage.creaseSharpness[i]);
     }
   return rest;
 }
@@ -64,6 +84,31 @@ std::vector<int> numbersWithoutHoles(const Cage& cage)
   return numbers;
 }
 
+/* Marks faces that share two adjacent edges with another face, if a crease ends at one of their vertices: OpenSubdiv
+ * 3.5 then reads out of bounds. */
+std::vector<char> findUnsupportedFaces(const Cage& cage)
+{
+  std::vector<char> unsupported(cage.numFaces()), isCreased(cage.positions.size());
+  for (size_t i = 0; i < cage.creaseEdges.size(); i++)
+    if (cage.creaseSharpness[i] > 0.0f)
+      isCreased[cage.creaseEdges[i].first] = isCreased[cage.creaseEdges[i].second] = 1;
+  if (cage.creaseEdges.empty())
+    return unsupported;
+  const FaceBorders borders(cage);
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+  {
+    bool isWrapped = false, hasCrease = false;
+    for (unsigned i = 0, n = borders.size(face); i < n; i++)
+    {
+      const unsigned other = borders.opposite(face, i).face;
+      isWrapped |= other != ~0u && other == borders.opposite(face, (i + 1) % n).face;
+      hasCrease |= isCreased[cage.faceIndices[borders.corner(face, i)]] != 0;
+    }
+    unsupported[face] = isWrapped && hasCrease;
+  }
+  return unsupported;
+}
+
 struct Face
 {
   std::once_flag prepared;
@@ -77,7 +122,8 @@ struct LimitSurface::Implementation
 {
   explicit Implementation(const Cage& cage)
     : numberOf(numbersWithoutHoles(cage)), refiner(makeTopologyRefiner(withoutHoles(cage, numberOf), false)),
-      factory(*refiner, factoryOptions()), faces(new Face[cage.numFaces()])
+      factory(*refiner, factoryOptions()), isUnsupported(findUnsupportedFaces(withoutHoles(cage, numberOf))),
+      faces(new Face[cage.numFaces()])
   {
     for (const Vec3f& p : cage.positions)
       positions.insert(positions.end(), {p.x, p.y, p.z});
@@ -98,6 +144,7 @@ struct LimitSurface::Implementation
   std::vector<int> numberOf;
   std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
   Factory factory;
+  std::vector<char> isUnsupported; // by number
   std::vector<double> positions;
   std::unique_ptr<Face[]> faces;
 };
@@ -109,7 +156,8 @@ LimitSurface::~LimitSurface() = default;
 bool LimitSurface::has(unsigned face) const
 {
   const int number = implementation->numberOf[face];
-  return number >= 0 && implementation->factory.FaceHasLimitSurface(number);
+  return number >= 0 && !implementation->isUnsupported[size_t(number)] &&
+         implementation->factory.FaceHasLimitSurface(number);
 }
 
 LimitSample LimitSurface::evaluate(const PatchPoint& p) const

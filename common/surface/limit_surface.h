@@ -34,7 +34,8 @@ public:
   LimitSurface(const LimitSurface&) = delete;
   LimitSurface& operator=(const LimitSurface&) = delete;
 
-  /* False for holes, and at boundaries under BoundaryRule::None. */
+  /* False for holes, at boundaries under BoundaryRule::None, and where OpenSubdiv would crash: at creases of two faces
+   * that share two adjacent edges. */
   bool has(unsigned face) const;
 
   /* Requires has(p.face). Thread-safe. */

@@ -232,6 +232,29 @@ TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
   expectEmbrees(cage, 0, random);
 }
 
+/* OpenSubdiv 3.5 crashes at the creases of a face that is wrapped around a vertex of another one. */
+TEST(LimitSurface, CreasesOfWrappedFacesAreLeftOut)
+{
+  Cage cage;
+  cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.2f}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+  cage.faceSizes = {4, 4, 3, 3};
+  cage.faceIndices = {1, 4, 5, 2, 0, 1, 2, 3, 3, 2, 1, 0, 1, 2};
+  cage.creaseEdges = {{1, 2}};
+  cage.creaseSharpness = {3};
+  cage.holes = {0, 3}; // otherwise three faces share an edge of the quad and the triangle
+  testing::internal::CaptureStdout();
+  const LimitSurface limit(cage);
+  for (unsigned face = 0; face < 4; face++)
+    EXPECT_TRUE(!limit.has(face) || std::isfinite(limit.evaluate({face, 0, 0.3, 0.6}).p.x)) << face;
+  cage.creaseSharpness = {0};
+  EXPECT_TRUE(LimitSurface(cage).has(1)) << "without a crease";
+  cage.holes = {1, 2, 3};
+  cage.creaseEdges = {{0, 3}};
+  cage.creaseSharpness = {3};
+  EXPECT_TRUE(LimitSurface(cage).has(0));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
 TEST(LimitSurface, HolesKeepTheCreaseRule)
 {
   Random random(6);
