@@ -156,7 +156,7 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
              number.ec != std::errc() || number.ptr != end || first < 0)
       first = spec.nchannels;
   }
-  if (first + count <= spec.nchannels)
+  if (first <= spec.nchannels - count)
     return first;
   std::string names;
   for (const std::string& name : spec.channelnames)

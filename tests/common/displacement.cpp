@@ -349,7 +349,7 @@ TEST_F(Displacing, MidLevelAndChannelAreApplied)
     map.channel = channel;
     EXPECT_FLOAT_EQ(here(), 2.0f * value) << channel;
   }
-  for (const char* channel : {"A", "3", "-1", "green"})
+  for (const char* channel : {"A", "3", "-1", "2147483647", "green"})
   {
     map.channel = channel;
     EXPECT_THROW(here(), Error) << channel;
