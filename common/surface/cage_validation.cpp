@@ -188,8 +188,8 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
                   " around it, which are left out: Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
     }
   }
-  if (cage.holes.size() == cage.numFaces())
-    throw Error(cage.name + ": no face is left: Embree supports at most " + std::to_string(maxFaceVertices) +
+  if (std::find(isHole.begin(), isHole.end(), 0) == isHole.end())
+    throw Error(cage.name + ": no face is left besides holes: Embree supports at most " + std::to_string(maxFaceVertices) +
                 " vertices per face and " + std::to_string(maxVertexFaces) + " faces around a vertex");
 }
 

@@ -114,6 +114,15 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
+TEST(CageValidation, AcceptsHolesThatAreListedTwice)
+{
+  Cage cage = withFaces(5, {{0, 1, 2}, {2, 3, 4}});
+  cage.holes = {1, 1};
+  EXPECT_EQ(errorOf(cage), "");
+  cage.holes = {1, 0};
+  EXPECT_NE(errorOf(cage).find("no face is left"), std::string::npos);
+}
+
 TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
 {
   std::vector<std::vector<unsigned>> faces = fan(65);
