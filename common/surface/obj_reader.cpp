@@ -108,7 +108,10 @@ private:
       const size_t begin = line.find_first_not_of(" \t\r\n", i);
       if (begin == std::string_view::npos || line[begin] == '#')
         break;
-      const size_t end = std::min(line.find_first_of(" \t\r\n#", begin), line.size());
+      size_t end = line.find_first_of(" \t\r\n#", begin);
+      while (end < line.size() && line[end] == '#' && line[end - 1] == '.') // -1.#IND, a NaN of Windows programs
+        end = line.find_first_of(" \t\r\n#", end + 1);
+      end = std::min(end, line.size());
       words.push_back(line.substr(begin, end - begin));
       i = end;
     }

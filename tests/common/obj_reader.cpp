@@ -275,6 +275,7 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"f 1 2 3.5\n", "test.obj:5: ", {"number", "'3.5'"}},
     {"v 1 2\n", "test.obj:5: ", {"vertex", "three coordinates", "2"}},
     {"v 1 2 nan\n", "test.obj:5: ", {"'nan'", "finite"}},
+    {"v 1 2 -1.#IND\n", "test.obj:5: ", {"number", "'-1.#IND'"}},
     {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "too large"}},
     {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "too large"}},
     {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", "2 of 3"}},
