@@ -3,6 +3,7 @@
 
 #include "basics/error.h"
 #include "building/built_scene.h"
+#include "building/diced_surface.h"
 #include "scenes/baked_heights.h"
 #include "scenes/catalogue.h"
 #include "scenes/cube.h"
@@ -308,6 +309,34 @@ TEST(Herd, EachCopyHasItsOwnPoseAndMotion)
   ASSERT_EQ(positions.size(), 5 * 2 * n);
   const Vec3f moved = model.poses[0][7] - model.cage.positions[7];
   EXPECT_LT(length(positions[7 * n + 7] - model.copies[3].apply(model.shapes[3][7] + moved)), 1e-4f);
+}
+
+TEST(DicedSurface, RefinementToLevel0IsOnlyOfQuads)
+{
+  Model model;
+  model.cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  model.cage.faceSizes.assign(4, 3);
+  model.cage.faceIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+  BuildSettings settings;
+  settings.threads = 1;
+  for (int level : {0, 1})
+  {
+    settings.level = level;
+    const DicedSurface surface(model, settings);
+    EXPECT_EQ(surface.mesh(DicedInput::Rows).quads.size(), 12u) << level;
+    if (level)
+      EXPECT_EQ(surface.mesh(DicedInput::Refined).quads.size(), 12u);
+    else
+      try
+      {
+        surface.mesh(DicedInput::Refined);
+        ADD_FAILURE() << "triangles are quads";
+      }
+      catch (const Error& e)
+      {
+        EXPECT_TRUE(containsInOrder(e.what(), {"level 0", "not quads", "level 1"}));
+      }
+  }
 }
 
 std::string complaint(const SceneSettings& settings)
