@@ -45,11 +45,11 @@ private:
 void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels)
 {
   PendingFile file(path);
+  PendingProxy proxy(file, path); // outlives the output, whose destructor writes after an error
   const std::string extension = std::filesystem::path(path).extension().string();
   const auto output = OIIO::ImageOutput::create(extension.empty() ? "png" : extension.substr(1));
   if (!output)
     throw Error(path + ": cannot be written: " + OIIO::geterror());
-  PendingProxy proxy(file, path);
   if (output->supports("ioproxy"))
     output->set_ioproxy(&proxy);
   if (!output->open(file.temporary(), spec) || !output->write_image(type, pixels) || !output->close())
