@@ -5,6 +5,7 @@
 #include "measure/quantiles.h"
 #include "programs/compression_json.h"
 #include "programs/errors_json.h"
+#include "programs/json_text.h"
 
 #include <algorithm>
 
@@ -277,7 +278,7 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
   out["groups"] = json::array();
   for (const Group& g : groups)
     out["groups"].push_back(groupJson(g));
-  return out.dump(1) + "\n";
+  return jsonText(out, 1);
 }
 
 std::string formatAbout(const Machine& machine)

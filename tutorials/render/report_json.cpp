@@ -4,6 +4,7 @@
 #include "report.h"
 #include "programs/compression_json.h"
 #include "programs/errors_json.h"
+#include "programs/json_text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -69,7 +70,7 @@ std::string formatJson(const Comparison& c)
   out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
     out["results"].push_back(resultJson(r, c.compares, c.speed));
-  return out.dump(2) + "\n";
+  return jsonText(out, 2);
 }
 
 } // namespace cbvh

@@ -12,6 +12,7 @@
 #include "building/saved_scene.h"
 #include "building/scene_file_builder.h"
 #include "pictures/sampled_picture.h"
+#include "programs/json_text.h"
 #include "programs/view_options.h"
 #include "tracing/camera.h"
 #include "tracing/ray_conversion.h"
@@ -117,7 +118,7 @@ void render(const Options& options, const std::string& file, const std::string& 
                {"first_ray_seconds", scene.seconds() + firstRay},
                {"picture_seconds", pictureSeconds},
                {"live_bytes", scene.liveBytes()}});
-  writeTextFile(options.json, json.dump(2) + "\n");
+  writeTextFile(options.json, jsonText(json, 2));
 }
 
 } // namespace
