@@ -3,7 +3,8 @@
 
 #include "tracing/camera.h"
 
-#include <cstdio>
+#include <charconv>
+#include <iterator>
 
 namespace cbvh {
 
@@ -76,9 +77,12 @@ Vec3f Camera::direction(float pixelX, float pixelY) const
 
 std::string Camera::description() const
 {
-  char text[160];
-  std::snprintf(text, sizeof(text), "%g,%g,%g,%g,%g,%g,%g", origin.x, origin.y, origin.z, target.x, target.y, target.z,
-                fieldOfView);
+  std::string text;
+  for (float x : {origin.x, origin.y, origin.z, target.x, target.y, target.z, fieldOfView})
+  {
+    char digits[32];
+    text.append(text.empty() ? "" : ",").append(digits, std::to_chars(digits, std::end(digits), x).ptr);
+  }
   return text;
 }
 

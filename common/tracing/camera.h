@@ -36,7 +36,7 @@ public:
   Vec3f lookAt() const { return target; }
   float fov() const { return fieldOfView; }
   ImageSize size() const { return image; }
-  std::string description() const; // as for --view
+  std::string description() const; // as for --view, which reads the same numbers
 
 private:
   Vec3f origin, target, right, down, forward;

@@ -1,6 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "programs/view_options.h"
 #include "support/random.h"
 #include "tracing/camera.h"
 
@@ -53,6 +54,15 @@ TEST(Camera, FittedViewContainsAllPointsCenteredAndUpToItsBorder)
     }
     EXPECT_NEAR(rim, 0.96f, 1e-3f) << round;
   }
+}
+
+TEST(Camera, DescriptionIsTheSameViewFarFromTheOrigin)
+{
+  const Camera camera({431234.56f, 5412345.5f, 120.123f}, {431200.1f, 5412300.5f, 1e-7f}, {0, 0, 1}, 35.1f, {64, 48});
+  const Camera read = parseView(camera.description(), {0, 0, 1}, {64, 48});
+  EXPECT_EQ(length(read.eye() - camera.eye()), 0.0f) << camera.description();
+  EXPECT_EQ(length(read.lookAt() - camera.lookAt()), 0.0f);
+  EXPECT_EQ(read.fov(), camera.fov());
 }
 
 } // namespace
