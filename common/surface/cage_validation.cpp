@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cbvh {
@@ -133,25 +135,22 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
   std::vector<std::vector<unsigned>> rings;
-  std::vector<int> waiting(level.GetVertexFaces(vertex).begin(), level.GetVertexFaces(vertex).end());
+  std::set<int> waiting(level.GetVertexFaces(vertex).begin(), level.GetVertexFaces(vertex).end());
   while (!waiting.empty())
   {
-    std::vector<int> ring{waiting.back()};
-    waiting.pop_back();
+    std::vector<unsigned> ring{unsigned(*waiting.begin())};
+    waiting.erase(waiting.begin());
     for (size_t i = 0; i < ring.size(); i++)
-      for (int edge : level.GetVertexEdges(vertex))
+      for (int edge : level.GetFaceEdges(int(ring[i])))
       {
-        const Far::ConstIndexArray sides = level.GetEdgeFaces(edge);
-        if (level.IsEdgeNonManifold(edge) || std::find(sides.begin(), sides.end(), ring[i]) == sides.end())
+        const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
+        if ((ends[0] != vertex && ends[1] != vertex) || level.IsEdgeNonManifold(edge))
           continue;
-        for (int face : sides)
-          if (const auto found = std::find(waiting.begin(), waiting.end(), face); found != waiting.end())
-          {
-            ring.push_back(face);
-            waiting.erase(found);
-          }
+        for (int face : level.GetEdgeFaces(edge))
+          if (waiting.erase(face))
+            ring.push_back(unsigned(face));
       }
-    rings.emplace_back(ring.begin(), ring.end());
+    rings.push_back(std::move(ring));
   }
   return rings;
 }
