@@ -322,6 +322,18 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
   EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
   EXPECT_THROW(displaced(quadsOnTiles(), (folder / "hide.<UDIM>.exr").string(), 1.0f), Error);
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
+  Cage outside = quadsOnTiles();
+  for (Vec2f& uv : outside.uvs)
+    uv.x -= 5.0f;
+  try
+  {
+    displaced(outside, skin, 1.0f);
+    ADD_FAILURE() << "a tile is found";
+  }
+  catch (const Error& e)
+  {
+    EXPECT_TRUE(containsInOrder(e.what(), {skin, "outside of all tiles", "expected 0 to 10"}));
+  }
 }
 
 TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
