@@ -16,7 +16,7 @@ struct Error : std::runtime_error
   using std::runtime_error::runtime_error;
 };
 
-/* The user pressed Ctrl-C. */
+/* Thrown after a cancellation (progress.h). */
 struct Canceled : Error
 {
   Canceled() : Error("canceled") {}

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cbvh {
 
@@ -60,8 +61,16 @@ Vec3<T> cross(Vec3<T> a, Vec3<T> b)
 template<typename T>
 Vec3<T> normalize(Vec3<T> a)
 {
-  const T l = length(a);
-  return l > T(0) ? a * (T(1) / l) : a;
+  using Limits = std::numeric_limits<T>;
+  const T square = dot(a, a);
+  if (!(square >= Limits::min() / Limits::epsilon() && square <= Limits::max())) // inexact or out of range
+  {
+    const T largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+    if (!(largest > T(0) && largest <= Limits::max()))
+      return a;
+    a = {a.x / largest, a.y / largest, a.z / largest};
+  }
+  return a * (T(1) / length(a));
 }
 
 inline Vec3f lerp(Vec3f a, Vec3f b, float t) { return a + t * (b - a); }

@@ -239,7 +239,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
     throw Error("the triangles of NAIVE do not move: expected a model without motion, or another representation");
   for (const Patch& patch : layout.patches())
     if (settings.level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("NAIVE at level 0: face " + std::to_string(patch.face) +
+      throw Error("NAIVE at level 0: face " + std::to_string(patch.face + 1) +
                   " is not a quad: expected only quads, or level 1");
 
   std::vector<GeometryHandle> copies;

@@ -25,7 +25,7 @@ namespace cbvh {
 /* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh
 {
-  std::vector<Vec3f> vertices;                // repeated at borders of parts: equal floats, with cGRID only in a face
+  std::vector<Vec3f> vertices;                // parts repeat border vertices: equal floats, for cGRID only in a face
   std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };

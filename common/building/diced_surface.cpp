@@ -199,6 +199,9 @@ QuadMesh DicedSurface::mesh(DicedInput::Order order) const
 
 QuadMesh DicedSurface::refinedMesh() const
 {
+  const std::vector<unsigned>& sizes = model.cage.faceSizes;
+  if (level == 0 && std::any_of(sizes.begin(), sizes.end(), [](unsigned n) { return n != 4; }))
+    throw Error("OpenSubdiv's refinement to level 0 keeps faces that are not quads: expected only quads, or level 1");
   RefinedQuads refined(model.cage, level);
   const size_t patches = layout.patches().size() / model.copies.size();
   QuadMesh mesh;

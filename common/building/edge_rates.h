@@ -23,7 +23,7 @@ struct EdgeRates
 
   std::vector<Copy> copies;
   std::vector<size_t> firstIndex; // per face
-  std::vector<unsigned> sizes;    // per face
+  std::vector<unsigned> sizes;    // vertices per face
   size_t quads = 0;
 
   /* Level for filtering displacement at a point, interpolated between corners; the same on both sides of an edge. */

@@ -9,6 +9,7 @@
 #include "surface/model.h"
 
 #include <cstddef>
+#include <string>
 
 namespace cbvh {
 
@@ -23,8 +24,8 @@ struct BuildSize
 /* Upper estimate of the bytes at the peak of the build. */
 size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size);
 
-/* Bytes that this process can still allocate: the machine's or its control group's, whichever is less; SIZE_MAX if
- * neither is known. */
-size_t availableMemory();
+/* Bytes that this process can still allocate: the least of the machine and its control groups; SIZE_MAX if unknown.
+ * `root` is the folder of proc and sys. */
+size_t availableMemory(const std::string& root = "");
 
 } // namespace cbvh

@@ -62,6 +62,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     opened.rough = false;
     opened.mapping.clear();
     opened.count.reset();
+    opened.cageEnds.clear();
     if (height.empty() || !current.scene.empty())
       resetMap(opened);
   }

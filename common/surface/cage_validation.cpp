@@ -167,13 +167,23 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
       cage.holes.push_back(unsigned(face));
     isHole[face] = 1;
   };
+  std::string first; // describes the first of several faces or vertices
+  size_t others = 0;
   for (size_t face = 0; face < cage.numFaces(); face++)
     if (cage.faceSizes[face] > maxFaceVertices && !isHole[face])
     {
       cut(face);
-      warnings += cage.name + ": face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) +
-                  " vertices and is left out: Embree supports at most " + std::to_string(maxFaceVertices) + "\n";
+      if (first.empty())
+        first = "face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) + " vertices";
+      else
+        others++;
     }
+  if (!first.empty())
+    warnings += cage.name + ": " + first + " and is left out" +
+                (others ? ", like " + counted(others, "other face", "other faces") : "") +
+                ": Embree supports at most " + std::to_string(maxFaceVertices) + "\n";
+  first.clear();
+  others = 0;
   for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
   {
     if (level.GetVertexFaces(vertex).size() <= maxVertexFaces)
@@ -184,10 +194,16 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
         continue;
       for (unsigned face : ring)
         cut(face);
-      warnings += cage.name + ": vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) +
-                  " around it, which are left out: Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
+      if (first.empty())
+        first = "vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) + " around it";
+      else
+        others++;
     }
   }
+  if (!first.empty())
+    warnings += cage.name + ": " + first + ", which are left out" +
+                (others ? ", like the faces around " + counted(others, "other vertex", "other vertices") : "") +
+                ": Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
   if (std::find(isHole.begin(), isHole.end(), 0) == isHole.end())
     throw Error(cage.name + ": no face is left: all are holes or exceed Embree's limits of " +
                 std::to_string(maxFaceVertices) + " vertices per face and " + std::to_string(maxVertexFaces) +

@@ -38,7 +38,7 @@ void makeQuads(Cage& cage, const std::string& path)
   {
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
-      throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) +
+      throw Error(path + ": face " + std::to_string(face + 1) + " has " + std::to_string(size) +
                   " vertices: expected a mesh of quads and triangles; " + settingName("cage") +
                   " reads the file as a subdivision surface");
     if (!isHole[face])

@@ -160,6 +160,9 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     tiles.images.push_back(entry->second);
     tiles.origins.push_back(e.tile);
   }
+  if (tiles.paths.empty() && missing.rbegin()->first == 0)
+    throw Error(path + ": the texture coordinates of " + cage.name + " lie outside of all tiles: expected 0 to " +
+                std::to_string(columns) + " across, 0 or more upwards");
   if (tiles.paths.empty())
   {
     const int number = missing.rbegin()->first;

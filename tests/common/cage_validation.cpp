@@ -111,6 +111,9 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_EQ(result.cage.holes, (std::vector<unsigned>{1}));
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "face 2 has 17 vertices", "left out", "16"}));
   EXPECT_EQ(linesOf(result.warnings), 1);
+  const std::string several = checked(withFaces(18, {{1, 0, 17}, ring, ring, ring})).warnings;
+  EXPECT_TRUE(containsInOrder(several, {"face 2 has 17 vertices", "left out", "2 other faces"})) << several;
+  EXPECT_EQ(several.rfind("left out"), several.find("left out"));
   EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
@@ -132,6 +135,15 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "vertex 1 has 65 faces", "left out", "64"}));
   EXPECT_EQ(linesOf(result.warnings), 1);
   EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
+  for (std::vector<unsigned> face : fan(70)) // a second fan
+  {
+    for (unsigned& v : face)
+      v += 67;
+    faces.push_back(face);
+  }
+  const std::string both = checked(withFaces(138, faces)).warnings;
+  EXPECT_TRUE(containsInOrder(both, {"vertex 1 has 65 faces", "left out", "1 other vertex:", "64"}));
+  EXPECT_EQ(linesOf(both), 1);
 }
 
 TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)

@@ -103,5 +103,14 @@ TEST(Camera, ViewsAlongTheUpVectorHaveDifferentDirections)
   }
 }
 
+TEST(Camera, DescriptionIsTheSameViewFarFromTheOrigin)
+{
+  const Camera camera({431234.56f, 5412345.5f, 120.123f}, {431200.1f, 5412300.5f, 1e-7f}, {0, 0, 1}, 35.1f, {64, 48});
+  const Camera read = parseView(camera.description(), {0, 0, 1}, {64, 48});
+  EXPECT_EQ(length(read.eye() - camera.eye()), 0.0f) << camera.description();
+  EXPECT_EQ(length(read.lookAt() - camera.lookAt()), 0.0f);
+  EXPECT_EQ(read.fov(), camera.fov());
+}
+
 } // namespace
 } // namespace cbvh::test

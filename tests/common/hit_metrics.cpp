@@ -57,6 +57,16 @@ TEST(HitMetrics, FlippedNormalIs180Degrees)
   EXPECT_NEAR(e.normalMedian, 180.0, 1e-3);
 }
 
+TEST(HitMetrics, NormalsOfAnyLengthAreCompared)
+{
+  for (float length : {1e-37f, 1e-22f, 1e-18f, 1.0f, 1e19f, 1e38f})
+  {
+    const SurfaceHit tilted = hitAt(10, 0, 0.5f, 0.5f, {0, length, length});
+    const HitErrors e = compareHits({hitAt(10, 0, 0.5f, 0.5f, {0, 0, length})}, {tilted}, 0.01f, layout);
+    EXPECT_NEAR(e.normalMedian, 45.0, 1e-3) << length;
+  }
+}
+
 TEST(HitMetrics, ParametersAreComparedInCellsOfTheSamePatch)
 {
   const HitErrors e = compareHits({hitAt(10), hitAt(10)}, {hitAt(10, 0, 0.5f, 0.625f), hitAt(10, 1)}, 0.01f, layout);

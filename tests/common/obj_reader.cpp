@@ -279,6 +279,7 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"v 0 0 1.#QNAN\n", "test.obj:5: ", {"number", "'1.#QNAN'"}},
     {"v 0 0 -1.#IND00\n", "test.obj:5: ", {"number", "'-1.#IND00'"}},
     {"vt 1.#INF\n", "test.obj:5: ", {"number", "'1.#INF'"}},
+    {"v 1 2 -1.#IND\n", "test.obj:5: ", {"number", "'-1.#IND'"}},
     {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "too large"}},
     {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "too large"}},
     {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", "2 of 3"}},

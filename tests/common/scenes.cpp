@@ -3,6 +3,7 @@
 
 #include "basics/error.h"
 #include "building/built_scene.h"
+#include "building/diced_surface.h"
 #include "scenes/baked_heights.h"
 #include "scenes/catalogue.h"
 #include "scenes/cube.h"
@@ -316,6 +317,34 @@ TEST(Motion, FlatCagesStayFinite)
     for (const Vec3f flat : {Vec3f{0, 1, 1}, Vec3f{1, 0, 1}, Vec3f{1, 1, 0}, Vec3f{}})
       for (const Vec3f& p : poseVertices(name, {flat * Vec3f{-1, -1, -1}, flat * Vec3f{2, 3, 4}}, 30))
         EXPECT_TRUE(isFinite(p)) << name << ", flat along " << (flat.x == 0 ? "x" : flat.y == 0 ? "y" : "z");
+}
+
+TEST(DicedSurface, RefinementToLevel0IsOnlyOfQuads)
+{
+  Model model;
+  model.cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  model.cage.faceSizes.assign(4, 3);
+  model.cage.faceIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+  BuildSettings settings;
+  settings.threads = 1;
+  for (int level : {0, 1})
+  {
+    settings.level = level;
+    const DicedSurface surface(model, settings);
+    EXPECT_EQ(surface.mesh(DicedInput::Rows).quads.size(), 12u) << level;
+    if (level)
+      EXPECT_EQ(surface.mesh(DicedInput::Refined).quads.size(), 12u);
+    else
+      try
+      {
+        surface.mesh(DicedInput::Refined);
+        ADD_FAILURE() << "triangles are quads";
+      }
+      catch (const Error& e)
+      {
+        EXPECT_TRUE(containsInOrder(e.what(), {"level 0", "not quads", "level 1"}));
+      }
+  }
 }
 
 std::string complaint(const SceneSettings& settings)

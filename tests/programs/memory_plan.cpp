@@ -9,6 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -83,6 +86,73 @@ TEST(MemoryPlan, TimeStepsRequireMoreMemory)
 TEST(MemoryPlan, NoRepresentationThatFitsIsAnError)
 {
   EXPECT_THROW(plan("grid,cleaf", 1000), Error);
+}
+
+/* A folder with the files from which Linux's memory is read. */
+class AvailableMemory : public testing::Test
+{
+protected:
+  void SetUp() override { write("proc/meminfo", "MemTotal: 9000 kB\nMemAvailable:    4000 kB\n"); }
+  ~AvailableMemory() override { std::filesystem::remove_all(root); }
+
+  void write(const std::string& name, const std::string& text) const
+  {
+    std::filesystem::create_directories((root / name).parent_path());
+    std::ofstream(root / name) << text;
+  }
+
+  size_t kibibytes() const { return availableMemory(root.string()) / 1024; }
+
+  const std::filesystem::path root =
+    std::filesystem::temp_directory_path() / ("cbvh-memory-" + std::to_string(getpid()));
+};
+
+TEST_F(AvailableMemory, IsTheMachinesWithoutALimit)
+{
+  EXPECT_EQ(kibibytes(), 4000u);
+  write("proc/self/cgroup", "0::/\n");
+  write("sys/fs/cgroup/memory.max", "max\n");
+  write("sys/fs/cgroup/memory.current", "1024\n");
+  EXPECT_EQ(kibibytes(), 4000u);
+  std::filesystem::remove(root / "proc/meminfo");
+  EXPECT_EQ(availableMemory(root.string()), SIZE_MAX);
+}
+
+TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
+{
+  write("proc/self/cgroup", "0::/\n");
+  write("sys/fs/cgroup/memory.max", "3072000\n");
+  write("sys/fs/cgroup/memory.current", "2048000\n");
+  EXPECT_EQ(kibibytes(), 1000u);
+  write("sys/fs/cgroup/memory.stat", "anon 512000\nfile 1536000\ninactive_file 1024000\nactive_file 512000\n");
+  EXPECT_EQ(kibibytes(), 2500u);
+  write("sys/fs/cgroup/memory.current", "4096000\n");
+  EXPECT_EQ(kibibytes(), 500u);
+  write("sys/fs/cgroup/memory.max", "1024000\n");
+  EXPECT_EQ(kibibytes(), 0u);
+}
+
+TEST_F(AvailableMemory, EachEnclosingGroupLimits)
+{
+  write("proc/self/cgroup", "1:name=systemd:/elsewhere\n0::/jobs/mine\n");
+  write("sys/fs/cgroup/jobs/memory.max", "1024000\n");
+  write("sys/fs/cgroup/jobs/memory.current", "0\n");
+  write("sys/fs/cgroup/jobs/mine/memory.max", "2048000\n");
+  write("sys/fs/cgroup/jobs/mine/memory.current", "0\n");
+  EXPECT_EQ(kibibytes(), 1000u);
+  write("sys/fs/cgroup/jobs/mine/memory.max", "512000\n");
+  EXPECT_EQ(kibibytes(), 500u);
+}
+
+TEST_F(AvailableMemory, GroupsOfVersion1Limit)
+{
+  write("proc/self/cgroup", "4:memory:/host/path\n0::/\n"); // the path outside of a container
+  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "2048000\n");
+  write("sys/fs/cgroup/memory/memory.usage_in_bytes", "1024000\n");
+  write("sys/fs/cgroup/memory/memory.stat", "inactive_file 0\ntotal_inactive_file 512000\n");
+  EXPECT_EQ(kibibytes(), 1500u);
+  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
+  EXPECT_EQ(kibibytes(), 4000u);
 }
 
 } // namespace

@@ -34,6 +34,10 @@ for _ in 1 2; do # first without the file, then with it
   is_json "$folder/store/numbers.json"
   [ -L "$folder/link.json" ] || complain "the link is replaced"
 done
+latin=$folder/$(printf 'caf\351.obj')
+cp "$folder/quad.obj" "$latin"
+run "$latin" --json "$folder/latin.json" >/dev/null
+is_json "$folder/latin.json"
 chmod 604 "$folder/store/numbers.json"
 run --scene cube --json "$folder/link.json" >/dev/null
 mode=$(stat -c %a "$folder/store/numbers.json")

@@ -353,7 +353,7 @@ grep -q "nothing of the mesh is compressed" "$folder/plain.err" ||
   complain "no message about a mesh that is left to Embree: $(cat "$folder/plain.err")"
 for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
 echo "f 1 2 3 4 5" >>"$folder/five.obj"
-refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"
+refuses "face 1 has 5 vertices" --mesh "$folder/five.obj"
 refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100

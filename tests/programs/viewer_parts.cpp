@@ -329,6 +329,15 @@ TEST(OpenedFiles, CageWithoutAMapResetsMapOptions)
   EXPECT_EQ(both.mapScale, 3.0f);
 }
 
+TEST(OpenedFiles, AnotherCageHasNoLaterTimeSteps)
+{
+  SceneSettings current;
+  current.cagePath = "body.obj";
+  current.cageEnds = {"end.obj"};
+  EXPECT_EQ(openFiles({"skin.png"}, current).cageEnds.size(), 1u);
+  EXPECT_TRUE(openFiles({"head.obj"}, current).cageEnds.empty());
+}
+
 TEST(OpenedFiles, CageAndMapAreAcceptedInAnyOrder)
 {
   for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}})
