@@ -179,7 +179,7 @@ class CompressedMesh:
 
 
 class FewTriangles:
-    """The same for meshes that the library does not compress, by testing all triangles."""
+    """Tests all triangles of a mesh that the library does not compress."""
 
     RAYS = 2048  # per step, which limits memory
 
