@@ -36,6 +36,7 @@ refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf
   --scene cube --representation mesh
 refuses "representation 'cbvh.leaf' is repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "leaves-only" --scene cube --leaves-only
+refuses "level '2,02' contains 2 twice" --scene cube --level 2,02
 refuses "frame level '9'" --scene cube --frame-level 2,9
 refuses "level '9'.* 0 to 8" --scene cube --level 4,9
 refuses "view 'side'" --scene cube --view full,side
@@ -126,6 +127,14 @@ for group in record["groups"]:
             else:
                 assert os.path.isfile(os.path.join(folder, "pictures", v["error_map"]))
 PYTHON
+
+# The command in a record can be pasted into a shell.
+odd="$folder/it's {1}.json"
+"$program" --scene cube --level 1 --size 8x8 --repeat 0 --true-surface 0 --representation grid --json "$odd" \
+  >"$folder/stdout" 2>"$folder/stderr" || complain "odd name: $(cat "$folder/stderr")"
+/usr/bin/python3 -B -c 'import json, shlex, sys
+assert shlex.split(json.load(open(sys.argv[1]))["run"]["command"])[-1] == sys.argv[1]' "$odd" ||
+  complain "the command does not quote a name: $(cat "$odd")"
 
 # Moving geometry compared with GRID's motion blur, with random ray times: a static GRID would be far away.
 "$program" --scene cube --motion turn --level 3 --representation cvert --rays 500 --repeat 1 --size 40x32 \

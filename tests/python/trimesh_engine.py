@@ -75,6 +75,16 @@ def every_hit(mesh, origins, directions):
 
 
 class Queries(unittest.TestCase):
+    def test_other_vertices_do_not_matter(self):
+        for rows in (6, 24):  # few triangles and many
+            mesh = sphere(rows=rows)
+            rays = rays_at(mesh, 200, seed=3)
+            expected = RayMeshIntersector(mesh).intersects_first(*rays)
+            self.assertGreater((expected != -1).sum(), 50)
+            for other in (np.nan, np.inf, -1e12):
+                mesh.vertices = np.concatenate([sphere(rows=rows).vertices, [[other] * 3]])
+                np.testing.assert_array_equal(RayMeshIntersector(mesh).intersects_first(*rays), expected)
+
     def check(self, mesh, count=300):
         origins, directions = rays_at(mesh, count, seed=count)
         distances = every_hit(mesh, origins, directions)

@@ -36,7 +36,7 @@ std::vector<std::string> split(const std::string& option, const std::string& lis
   return entries;
 }
 
-/* Numbers from 0 to `maximum`. */
+/* Different numbers from 0 to `maximum`. */
 std::vector<int> parseIntegers(const std::string& option, const std::string& list, int maximum)
 {
   std::vector<int> numbers;
@@ -47,6 +47,8 @@ std::vector<int> parseIntegers(const std::string& option, const std::string& lis
     const auto result = std::from_chars(entry.data(), end, value);
     if (result.ec != std::errc() || result.ptr != end || value < 0 || value > maximum)
       throw Error("invalid " + option + " '" + entry + "': expected a number from 0 to " + std::to_string(maximum));
+    if (std::count(numbers.begin(), numbers.end(), value))
+      throw Error(option + " '" + list + "' contains " + std::to_string(value) + " twice: expected each number once");
     numbers.push_back(value);
   }
   return numbers;
@@ -116,15 +118,22 @@ std::vector<Representation> parseAll(const std::string& names, const std::string
   return all;
 }
 
+/* For a POSIX shell. */
+std::string quoted(const std::string& argument)
+{
+  if (!argument.empty() && argument.find_first_of(" \t\n'\"\\$^*?;&|<>()[]{}`!#~") == std::string::npos)
+    return argument;
+  std::string inside;
+  for (char c : argument)
+    inside += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return "'" + inside + "'";
+}
+
 std::string commandLine(int argc, char** argv)
 {
   std::string command = std::filesystem::path(argv[0]).filename().string();
   for (int i = 1; i < argc; i++)
-  {
-    const std::string argument = argv[i];
-    const bool plain = !argument.empty() && argument.find_first_of(" '\"\\$^*?;&|<>()") == std::string::npos;
-    command += plain ? " " + argument : " '" + argument + "'";
-  }
+    command += " " + quoted(argv[i]);
   return command;
 }
 

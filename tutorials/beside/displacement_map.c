@@ -64,7 +64,7 @@ static void loadMap(struct HeightMap* map, const char* path)
     FILE* file = fopen(path, "rb");
     unsigned char* bytes;
     if (!file || !readHeader(map, file)) {
-      fprintf(stderr, "displacement_map: cannot read %s: expected a binary 8-bit PGM of at most 32768 x 32768 heights\n",
+      fprintf(stderr, "displacement_map: cannot read %s: expected a binary 8-bit PGM of at most 32768 x 32768 pixels\n",
               path);
       exit(1);
     }

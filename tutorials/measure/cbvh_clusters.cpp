@@ -18,6 +18,7 @@
 #include <embree3/rtcore_compressed_clusters.h>
 #include <embree3/rtcore_compression.h>
 
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -85,6 +86,8 @@ size_t measure(const Options& options, Model& model)
     const double seconds = secondsOf(
       [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &statistics); });
     device.check("making clusters");
+    if (statistics.numTriangles == 0)
+      throw Error(model.name + ": no triangle is compressed: expected vertices in the range of floats");
     const double triangles = double(statistics.numTriangles);
     std::printf("| %s | %.2f | %.2f | %s | %zu | %.1f | %.2f | %.2f | %s | %.1f |", model.name.c_str(),
                 triangles * 1e-6, bytes / triangles, format.name, statistics.numClusters,
@@ -129,6 +132,8 @@ int run(int argc, char** argv)
     return 0;
   if (options.maxError)
     requireNotNegative("--max-error", *options.maxError);
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    throw Error("invalid --scale " + shortNumber(options.scale) + ": expected a finite number above 0");
   BuildSettings build;
   build.level = options.level;
   validateBuild(build);

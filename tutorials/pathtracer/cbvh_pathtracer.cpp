@@ -68,8 +68,8 @@ void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
     phase.update(double(tracer.samples()) / double(options.samples));
   }
   const double others = secondsNow() - start - first;
-  std::printf("%s\n%u samples of %d x %d pixels: the first in %.2f s", tracer.deviceName().c_str(), options.samples,
-              options.size.width, options.size.height, first);
+  std::printf("%s\n%u sample%s of %d x %d pixels: the first in %.2f s", tracer.deviceName().c_str(), options.samples,
+              options.samples == 1 ? "" : "s", options.size.width, options.size.height, first);
   if (options.samples > 1)
     std::printf(", the others in %.2f s, %.3f million paths per second", others,
                 1e-6 * double(options.samples - 1) * options.size.width * options.size.height / others);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Traces the paths of path.h in a compute shader, path.comp, which includes the library's cbvh.glsl and receives the
- * scene as an address: the library is not called meanwhile. */
+ * scene as an address. */
 
 #include "vulkan_device.h"
 #include "path_tracer.h"

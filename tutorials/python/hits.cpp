@@ -92,8 +92,8 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
   {
     const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
       tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
-    for (const py::handle& n : shape)
-      result.shape.push_back(n.cast<py::ssize_t>());
+    for (const py::handle& extent : shape)
+      result.shape.push_back(extent.cast<py::ssize_t>());
   }
   catch (py::error_already_set& e)
   {

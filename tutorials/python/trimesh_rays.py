@@ -179,7 +179,7 @@ class CompressedMesh:
 
 
 class FewTriangles:
-    """The same for meshes that the library does not compress, by testing all triangles."""
+    """Tests all triangles of a mesh that the library does not compress."""
 
     RAYS = 2048  # per step, which limits memory
 
@@ -232,10 +232,13 @@ class RayMeshIntersector:
         key = hash(self.mesh)
         if self._built is None or self._built[0] != key:
             vertices = np.asarray(self.mesh.vertices, dtype=np.float64)
+            used = np.zeros(len(vertices), bool)
+            used[np.asarray(self.mesh.faces, dtype=np.int64)] = True
+            corners = vertices[used & np.isfinite(vertices).all(axis=1)]
             origin, size = np.zeros(3), 0.0
-            if len(vertices):
-                origin = vertices.min(axis=0)
-                size = np.linalg.norm(vertices.max(axis=0) - origin)
+            if len(corners):
+                origin = corners.min(axis=0)
+                size = np.linalg.norm(corners.max(axis=0) - origin)
             scale = 100 / size if self._scale_to_box and size > 0 else 1.0
             kind = CompressedMesh if len(self.mesh.faces) >= FEWEST_COMPRESSED else FewTriangles
             self._built = key, kind((vertices - origin) * scale, self.mesh.faces), origin, scale

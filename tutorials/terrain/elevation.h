@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An elevation raster; each sample is a vertex. Only rows in use are in memory, but all if it is repeated. */
+/* An elevation raster; each sample is a vertex. Keeps the rows in use in memory, or all rows of a repeated raster. */
 
 #include "surface/map_image.h"
 
@@ -17,7 +17,7 @@ namespace cbvh {
 struct ElevationSettings
 {
   std::string path;
-  std::optional<float> nodata;  // height of missing samples, besides NaN and GDAL's tag
+  std::optional<float> nodata;  // height of missing samples, in addition to NaN, -3.4e38 and GDAL's tag
   int repeatX = 1, repeatY = 1; // copies along x and y
   float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
 };
