@@ -170,6 +170,25 @@ time.sleep(float(sys.argv[1]))
                                   timeout=120)
             self.assertEqual((done.returncode, done.stderr), (0, ""), seconds)
 
+    def test_calls_work_after_a_failure_to_start_a_thread(self):
+        program = """
+import resource
+import embree_cbvh as cbvh
+limit = resource.getrlimit(resource.RLIMIT_AS)
+with open("/proc/self/statm", encoding="ascii") as file:
+    used = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 2**20, limit[1]))  # too little for the stack of a thread
+try:
+    cbvh.Model.scene("cube")
+    print("started")
+except RuntimeError:
+    print("failed")
+resource.setrlimit(resource.RLIMIT_AS, limit)
+print(cbvh.Model.scene("cube").name)
+"""
+        done = subprocess.run([sys.executable, "-B", "-c", program], capture_output=True, text=True, timeout=120)
+        self.assertEqual((done.stdout, done.stderr), ("failed\ncube\n", ""))
+
 
 if __name__ == "__main__":
     unittest.main()

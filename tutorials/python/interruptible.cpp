@@ -75,19 +75,15 @@ public:
   explicit Task(const std::function<void()>& work)
   {
     setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); });
-    worker = std::thread([this, work] {
-      try
-      {
-        work();
-      }
-      catch (...)
-      {
-        failure = std::current_exception();
-      }
-      const std::lock_guard<std::mutex> lock(mutex);
-      done = true;
-      changed.notify_one();
-    });
+    try
+    {
+      worker = std::thread([this, work] { run(work); });
+    }
+    catch (...) // a limit of the system
+    {
+      release();
+      throw;
+    }
   }
 
   /* Cancels unfinished work. Requires the interpreter's lock. */
@@ -98,9 +94,7 @@ public:
       requestCancel();
       join();
     }
-    clearCancel();
-    setPhaseListener(nullptr);
-    currentThread = std::thread::id();
+    release();
   }
 
   void wait(const py::object& progress)
@@ -131,6 +125,28 @@ private:
     std::string name;
     double fraction = 0;
   };
+
+  void run(const std::function<void()>& work)
+  {
+    try
+    {
+      work();
+    }
+    catch (...)
+    {
+      failure = std::current_exception();
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    done = true;
+    changed.notify_one();
+  }
+
+  static void release()
+  {
+    clearCancel();
+    setPhaseListener(nullptr);
+    currentThread = std::thread::id();
+  }
 
   void addEvent(const std::string& name, double fraction)
   {
