@@ -54,7 +54,8 @@ refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
 refuses "unknown option --representaton, did you mean --representation" --scene cube --representaton grid
 refuses "scene 'teapot'.*cube, frog" --scene teapot
 for option in --json --export --save; do
-  refuses "${option#--} '$folder/missing/x': there is no folder $folder/missing" --scene cube "$option" "$folder/missing/x"
+  refuses "${option#--} '$folder/missing/x': there is no folder $folder/missing" --scene cube "$option" \
+    "$folder/missing/x"
 done
 for option in --rays --true-surface; do
   refuses "${option#--}: .*-1" --scene cube --speed $option -1

@@ -223,7 +223,8 @@ TEST_F(Terrain, InvalidArgumentsAreRejected)
   expectRefusal(path + " --cell 0", "--cell 0");
   expectRefusal(path + " --accuracy nan", "--accuracy nan");
   expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return NAN; }), "no quad");
-  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int x, int) { return x % 2 ? 3e38 : -3e38; }), "no quad");
+  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int x, int) { return x % 2 ? 3e38 : -3e38; }),
+                "no quad");
   expectRefusal(path + " --height-repeat 0", "--height-repeat '0'");
   expectRefusal(path + " --height-repeat 1.5", "--height-repeat '1.5'");
   expectRefusal(path + " --height-repeat 1x100000", "--height-repeat 1x100000");

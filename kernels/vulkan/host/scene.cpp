@@ -66,7 +66,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
   return out;
 }
 
-/* The same of the whole instance. Embree does not trace instances for which they are empty. */
+/* Bounds of the whole instance. Embree does not trace instances for which they are empty. */
 Bounds worldBounds(const FlatGeometry& instance)
 {
   return instance.lower[0] <= instance.upper[0] ? worldBounds(instance, instance.lower, instance.upper)
