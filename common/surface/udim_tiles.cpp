@@ -164,12 +164,8 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     throw Error(path + ": the texture coordinates of " + cage.name + " lie outside of all tiles: expected 0 to " +
                 std::to_string(columns) + " across, 0 or more upwards");
   if (tiles.paths.empty())
-  {
-    const int number = missing.rbegin()->first;
-    throw Error(path + ": no such height map: " +
-                (number ? cage.name + " uses, for example, tile " + std::to_string(number) + ", which does not exist"
-                        : "all texture coordinates of " + cage.name + " lie outside of all tiles"));
-  }
+    throw Error(path + ": no such height map: " + cage.name + " uses, for example, tile " +
+                std::to_string(missing.rbegin()->first) + ", which does not exist");
   for (const auto& [number, count] : missing)
   {
     const std::string reason =
