@@ -173,7 +173,7 @@ TEST(ReleaseInput, StatisticsCountRemainingBuffers)
   rtcReleaseGeometry(geometry);
 }
 
-// 33124 half-edges: Embree allocates them in powers of two.
+// 33124 half-edges, of which Embree would allocate twice as many: a power of two.
 TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology)
 {
   Memory memory;
@@ -188,7 +188,7 @@ TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology)
   attach(scene, geometry);
   rtcCommitScene(scene);
   const double reported = double(statisticsOf(scene).inputBytes);
-  EXPECT_GT(reported, 0.8*bytes) << "small tables are not counted";
+  EXPECT_GT(reported, 0.75*bytes) << "tables of faces are not counted";
   EXPECT_LE(reported, bytes);
 }
 
