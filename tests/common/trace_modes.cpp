@@ -120,7 +120,8 @@ TEST(TraceTiming, ThreadsThatTheSystemRefusesAreReported)
     limitAddressSpace(size_t(64) << 20);
     try
     {
-      timeTrace(cube.scene, cube.rays, {Closest, TraceMode::Single, false, 10000, 10000}); // passes, so that there is work for all
+      const unsigned passes = 10000; // work for all threads
+      timeTrace(cube.scene, cube.rays, {Closest, TraceMode::Single, false, 10000, passes});
     }
     catch (const Error& e)
     {
