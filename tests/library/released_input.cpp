@@ -173,7 +173,7 @@ TEST(ReleaseInput, StatisticsCountRemainingBuffers)
   rtcReleaseGeometry(geometry);
 }
 
-// 33124 half-edges, of which Embree would allocate twice as many: a power of two.
+// 33124 half-edges. Without a reservation, Embree allocates twice as many: a power of two.
 TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology)
 {
   Memory memory;
