@@ -73,6 +73,13 @@ Vec3<T> normalize(Vec3<T> a)
   return a * (T(1) / length(a));
 }
 
+/* True if normalize(a) has length 1, also if the square of a's length is out of range. */
+template<typename T>
+bool hasDirection(Vec3<T> a)
+{
+  return length(normalize(a)) > T(0);
+}
+
 inline Vec3f lerp(Vec3f a, Vec3f b, float t) { return a + t * (b - a); }
 inline Vec3f minimum(Vec3f a, Vec3f b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 inline Vec3f maximum(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }

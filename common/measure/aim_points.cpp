@@ -39,7 +39,7 @@ AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& verti
       point.normal = cross(at(row, a1) - at(row, a0), at(r1, along) - at(r0, along));
       if (swap)
         point.normal = -point.normal;
-      if (isFinite(point.position) && isFinite(point.neighbor) && length(normalize(point.normal)) > 0.0f)
+      if (isFinite(point.position) && isFinite(point.neighbor) && hasDirection(point.normal))
         points[size_t(kind)].push_back(point);
     }
   return points;

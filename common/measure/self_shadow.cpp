@@ -30,7 +30,7 @@ Vec3f position(const Ray& ray, const SurfaceHit& hit)
 
 bool hasNormal(const SurfaceHit& hit)
 {
-  return hit.hit() && length(normalize(hit.normal)) > 0.0f;
+  return hit.hit() && hasDirection(hit.normal);
 }
 
 /* Traced in one call, for the speed of devices. */

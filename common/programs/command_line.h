@@ -15,6 +15,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -90,6 +91,12 @@ inline void addIsaOption(CLI::App& app, std::string& isa)
 {
   app.add_option("--isa", isa, "widest instruction set to use: sse2, sse4.2, avx, avx2 or avx512 [the host's best]")
     ->type_name("ISA");
+}
+
+/* For options of unsigned numbers: without it, CLI11 reads -1 as the largest number. */
+inline CLI::Range countRange()
+{
+  return CLI::Range(int64_t(0), int64_t(UINT32_MAX));
 }
 
 inline void requireNotNegative(const std::string& option, float value)

@@ -156,6 +156,21 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
   return rings;
 }
 
+/* Describes the first of several faces or vertices. */
+struct Findings
+{
+  std::string first;
+  size_t others = 0;
+
+  void add(const std::string& description)
+  {
+    if (first.empty())
+      first = description;
+    else
+      others++;
+  }
+};
+
 /* Embree would also leave out all faces that share a vertex with a face of too many vertices. */
 void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
@@ -167,23 +182,14 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
       cage.holes.push_back(unsigned(face));
     isHole[face] = 1;
   };
-  std::string first; // describes the first of several faces or vertices
-  size_t others = 0;
+  Findings large, crowded;
   for (size_t face = 0; face < cage.numFaces(); face++)
     if (cage.faceSizes[face] > maxFaceVertices && !isHole[face])
     {
       cut(face);
-      if (first.empty())
-        first = "face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) + " vertices";
-      else
-        others++;
+      large.add("face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) +
+                " vertices and is");
     }
-  if (!first.empty())
-    warnings += cage.name + ": " + first + " and is left out" +
-                (others ? ", like " + counted(others, "other face", "other faces") : "") +
-                ": Embree supports at most " + std::to_string(maxFaceVertices) + "\n";
-  first.clear();
-  others = 0;
   for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
   {
     if (level.GetVertexFaces(vertex).size() <= maxVertexFaces)
@@ -194,16 +200,16 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
         continue;
       for (unsigned face : ring)
         cut(face);
-      if (first.empty())
-        first = "vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) + " around it";
-      else
-        others++;
+      crowded.add("vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) + " around it, which are");
     }
   }
-  if (!first.empty())
-    warnings += cage.name + ": " + first + ", which are left out" +
-                (others ? ", like the faces around " + counted(others, "other vertex", "other vertices") : "") +
-                ": Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
+  const auto warn = [&](const Findings& found, const std::string& others, unsigned limit) {
+    if (!found.first.empty())
+      warnings += cage.name + ": " + found.first + " left out" + (found.others ? ", like " + others : "") +
+                  ": Embree supports at most " + std::to_string(limit) + "\n";
+  };
+  warn(large, counted(large.others, "other face", "other faces"), maxFaceVertices);
+  warn(crowded, "the faces around " + counted(crowded.others, "other vertex", "other vertices"), maxVertexFaces);
   if (std::find(isHole.begin(), isHole.end(), 0) == isHole.end())
     throw Error(cage.name + ": no face is left: all are holes or exceed Embree's limits of " +
                 std::to_string(maxFaceVertices) + " vertices per face and " + std::to_string(maxVertexFaces) +

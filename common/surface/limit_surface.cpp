@@ -88,12 +88,13 @@ std::vector<int> numbersWithoutHoles(const Cage& cage)
  * 3.5 then reads out of bounds. */
 std::vector<char> findUnsupportedFaces(const Cage& cage)
 {
-  std::vector<char> unsupported(cage.numFaces()), isCreased(cage.positions.size());
+  std::vector<char> unsupported(cage.numFaces());
+  if (cage.creaseEdges.empty())
+    return unsupported;
+  std::vector<char> isCreased(cage.positions.size());
   for (size_t i = 0; i < cage.creaseEdges.size(); i++)
     if (cage.creaseSharpness[i] > 0.0f)
       isCreased[cage.creaseEdges[i].first] = isCreased[cage.creaseEdges[i].second] = 1;
-  if (cage.creaseEdges.empty())
-    return unsupported;
   const FaceBorders borders(cage);
   for (unsigned face = 0; face < cage.numFaces(); face++)
   {
@@ -120,12 +121,18 @@ struct Face
 
 struct LimitSurface::Implementation
 {
-  explicit Implementation(const Cage& cage)
-    : numberOf(numbersWithoutHoles(cage)), refiner(makeTopologyRefiner(withoutHoles(cage, numberOf), false)),
-      factory(*refiner, factoryOptions()), isUnsupported(findUnsupportedFaces(withoutHoles(cage, numberOf))),
-      faces(new Face[cage.numFaces()])
+  explicit Implementation(const Cage& cage) : Implementation(cage, numbersWithoutHoles(cage)) {}
+
+  Implementation(const Cage& cage, const std::vector<int>& numbers)
+    : Implementation(withoutHoles(cage, numbers), numbers, cage.numFaces())
   {
-    for (const Vec3f& p : cage.positions)
+  }
+
+  Implementation(const Cage& rest, const std::vector<int>& numbers, size_t numFaces)
+    : numberOf(numbers), refiner(makeTopologyRefiner(rest, false)), factory(*refiner, factoryOptions()),
+      isUnsupported(findUnsupportedFaces(rest)), faces(new Face[numFaces])
+  {
+    for (const Vec3f& p : rest.positions)
       positions.insert(positions.end(), {p.x, p.y, p.z});
   }
 

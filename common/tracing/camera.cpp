@@ -13,8 +13,7 @@ Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
   : origin(eye), target(lookAt), fieldOfView(fov), image(size)
 {
   forward = normalize(lookAt - eye);
-  const float largest = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
-  const Vec3f axis = normalize(Vec3f{up.x / largest, up.y / largest, up.z / largest});
+  const Vec3f axis = normalize(up); // of any length
   for (Vec3f other : {axis, Vec3f{axis.y, axis.z, axis.x}, Vec3f{axis.x, -axis.y, axis.z}})
     if (length(right) < 1e-6f) // the view is along the previous one
       right = cross(forward, other);

@@ -68,7 +68,7 @@ std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<S
   std::mt19937 random(settings.seed);
   std::vector<size_t> order;
   for (size_t i = 0; i < hits.size(); i++)
-    if (hits[i].hit() && length(normalize(hits[i].normal)) > 0.0f)
+    if (hits[i].hit() && hasDirection(hits[i].normal))
       order.push_back(i);
   shuffle(order, random);
   if (settings.count)

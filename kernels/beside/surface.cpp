@@ -130,11 +130,9 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
   }
   const unsigned int corners = other->second, maxCorners = 16; // Embree does not tessellate faces with more
   if (corners > maxCorners)
-    reject("the face has " + std::to_string(corners)
-      + " corners and is left out: expected a face of 16 or fewer");
+    reject("the face has " + std::to_string(corners) + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
-    reject("expected one of its " + std::to_string(corners)
-      + " sub-patches, as hits number them");
+    reject("expected one of its " + std::to_string(corners) + " sub-patches, as hits number them");
 }
 
 CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surface)

@@ -327,10 +327,13 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
   EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
   const std::string hide = (folder / "hide.<UDIM>.exr").string();
   EXPECT_TRUE(containsInOrder(errorOf(quadsOnTiles(), hide), {hide, "tile 1002", "not exist"}));
-  Cage outside = quadsOnTiles();
-  for (Vec2f& uv : outside.uvs)
-    uv.y -= 1.0f;
-  EXPECT_TRUE(containsInOrder(errorOf(outside, skin), {skin, "outside of all tiles"}));
+  for (const Vec2f& move : {Vec2f{0, -1}, Vec2f{-5, 0}})
+  {
+    Cage outside = quadsOnTiles();
+    for (Vec2f& uv : outside.uvs)
+      uv = {uv.x + move.x, uv.y + move.y};
+    EXPECT_TRUE(containsInOrder(errorOf(outside, skin), {skin, "outside of all tiles", "expected 0 to 10"}));
+  }
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
 }
 

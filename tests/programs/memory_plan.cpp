@@ -101,6 +101,12 @@ protected:
     std::ofstream(root / name) << text;
   }
 
+  void writeGroup(const std::string& path, const std::string& limit, const std::string& used) const
+  {
+    write("sys/fs/cgroup" + path + "/memory.max", limit + "\n");
+    write("sys/fs/cgroup" + path + "/memory.current", used + "\n");
+  }
+
   size_t kibibytes() const { return availableMemory(root.string()) / 1024; }
 
   const std::filesystem::path root =
@@ -111,8 +117,7 @@ TEST_F(AvailableMemory, IsTheMachinesWithoutALimit)
 {
   EXPECT_EQ(kibibytes(), 4000u);
   write("proc/self/cgroup", "0::/\n");
-  write("sys/fs/cgroup/memory.max", "max\n");
-  write("sys/fs/cgroup/memory.current", "1024\n");
+  writeGroup("", "max", "1024");
   EXPECT_EQ(kibibytes(), 4000u);
   std::filesystem::remove(root / "proc/meminfo");
   EXPECT_EQ(availableMemory(root.string()), SIZE_MAX);
@@ -121,8 +126,7 @@ TEST_F(AvailableMemory, IsTheMachinesWithoutALimit)
 TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
 {
   write("proc/self/cgroup", "0::/\n");
-  write("sys/fs/cgroup/memory.max", "3072000\n");
-  write("sys/fs/cgroup/memory.current", "2048000\n");
+  writeGroup("", "3072000", "2048000");
   EXPECT_EQ(kibibytes(), 1000u);
   write("sys/fs/cgroup/memory.stat", "anon 512000\nfile 1536000\ninactive_file 1024000\nactive_file 512000\n");
   EXPECT_EQ(kibibytes(), 2500u);
@@ -135,10 +139,8 @@ TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
 TEST_F(AvailableMemory, EachEnclosingGroupLimits)
 {
   write("proc/self/cgroup", "1:name=systemd:/elsewhere\n0::/jobs/mine\n");
-  write("sys/fs/cgroup/jobs/memory.max", "1024000\n");
-  write("sys/fs/cgroup/jobs/memory.current", "0\n");
-  write("sys/fs/cgroup/jobs/mine/memory.max", "2048000\n");
-  write("sys/fs/cgroup/jobs/mine/memory.current", "0\n");
+  writeGroup("/jobs", "1024000", "0");
+  writeGroup("/jobs/mine", "2048000", "0");
   EXPECT_EQ(kibibytes(), 1000u);
   write("sys/fs/cgroup/jobs/mine/memory.max", "512000\n");
   EXPECT_EQ(kibibytes(), 500u);

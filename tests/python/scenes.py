@@ -80,10 +80,9 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(scene.triangles(hits, time=0.25)[..., 2], 0.125, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation()["vertices"][:, 2], 0, atol=1e-5)
-        for time in (-1, 1.5, np.nan):
+        for time in (-1, -0.1, 1.1, 1.5, np.nan):
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.triangles(hits, time=time)
-        for time in (-0.1, 1.1, np.nan):
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.tessellation(time=time)
 

@@ -11,7 +11,6 @@
 #include "programs/view_options.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -196,7 +195,7 @@ void declareLists(CLI::App& app, OptionTexts& texts)
 void declareMeasurement(CLI::App& app, BenchOptions& o, OptionTexts& texts)
 {
   app.add_option("--rays", o.rays, "rays per measurement, 0 for one per pixel")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)))->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
   app.add_option("--repeat", o.repeat, "measurements of each combination, 0 to skip speed")
     ->type_name("N")->capture_default_str();
   app.add_option("--size", texts.size, "picture size")->type_name("WxH")->capture_default_str();
@@ -204,7 +203,7 @@ void declareMeasurement(CLI::App& app, BenchOptions& o, OptionTexts& texts)
                  "distance of bounced rays' origins from the surface, in diagonals of the bounding box")
     ->type_name("D")->capture_default_str();
   app.add_option("--seed", o.seed, "seed of bounced rays, checks, and hits that are compared with the true surface")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)))->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
   app.add_option("--build-threads", o.buildThreads, "threads for building, 0 for all")
     ->type_name("N")->capture_default_str();
 }
@@ -217,7 +216,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, OptionTexts& texts)
                  "GRID's), offsets (shadows at many offsets)")
     ->type_name("LIST");
   app.add_option("--check-rays", o.checks.rays, "rays per representation for leaks and sheets")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)))->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
   app.add_flag("--check-packets", o.checks.packets,
                "trace these rays in coherent packets as wide as the instruction set");
   app.add_option("--position", texts.position, "position to which models are moved: x,y,z")->type_name("P");
@@ -230,7 +229,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, OptionTexts& texts)
     ->type_name("L");
   app.add_option("--true-surface", o.trueHits,
                  "number of random hits per view that are compared with the displaced limit surface, 0 to skip")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)))->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
 }
 
 void declareOutput(CLI::App& app, BenchOptions& o, OptionTexts& texts)

@@ -312,11 +312,16 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- stored surface --------------------------------------------------------------- */
 
+void requireTime(float time)
+{
+  if (!(time >= 0.0f && time <= 1.0f))
+    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
+}
+
 py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 {
   requireHitsOf(scene, hits, "hits");
-  if (!(time >= 0.0f && time <= 1.0f))
-    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
+  requireTime(time);
   Shape shape = hits.shape;
   shape.insert(shape.end(), {3, 3});
   py::array_t<float> array(shape);
@@ -332,8 +337,7 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 
 py::dict tessellation(const Scene& scene, float time)
 {
-  if (!(time >= 0.0f && time <= 1.0f))
-    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
+  requireTime(time);
   const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
   py::dict result;
   const auto coordinate = [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; };

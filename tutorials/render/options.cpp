@@ -9,7 +9,6 @@
 #include "programs/view_options.h"
 
 #include <algorithm>
-#include <cstdint>
 
 namespace cbvh {
 namespace {
@@ -74,7 +73,7 @@ void declareMeasurement(CLI::App& app, Options& o, OptionTexts& texts)
   app.add_flag("--speed", o.speed,
                "measure rays per second of each representation, also relative to GRID if it is listed");
   app.add_option("--rays", o.rays, "rays per speed measurement, 0 for one per pixel")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)))->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
   app.add_option("--repeat", o.repeat, "number of speed measurements, whose median is reported")
     ->type_name("N")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
@@ -87,7 +86,7 @@ void declareMeasurement(CLI::App& app, Options& o, OptionTexts& texts)
   app.add_option("--true-surface", texts.trueHits,
                  "number of random hits that are compared with the displaced limit surface, 0 to skip [20000 if "
                  "several representations of a static surface are compared]")
-    ->type_name("N")->check(CLI::Range(int64_t(0), int64_t(UINT32_MAX)));
+    ->type_name("N")->check(countRange());
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
     ->type_name("N")->capture_default_str();
   addDeviceOption(app, o.build.device);

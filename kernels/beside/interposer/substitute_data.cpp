@@ -19,7 +19,8 @@ constexpr size_t maxSubstitutes = size_t(1) << 20;   // reserves address space, 
 
 struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted SubstituteData
 
-std::mutex& mutex() { return immortal<std::mutex>(); }
+struct RangeMutex : std::mutex {}; // a type of its own: immortal() creates one object per type
+std::mutex& mutex() { return immortal<RangeMutex>(); }
 
 FreeEntry* firstFree = nullptr;
 size_t numUsed = 0;                    // used entries from the start of the range, including free ones

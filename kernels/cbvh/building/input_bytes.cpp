@@ -34,7 +34,7 @@ namespace embree
         addVertices(mesh);
         for (const auto& topology : mesh->topology) {
           add(topology.vertexIndices);
-          bytes += topology.halfEdges.capacity()*sizeof(HalfEdge); // up to twice their size
+          bytes += topology.halfEdges.capacity()*sizeof(HalfEdge); // exceeds size() after edits
         }
         add(mesh->faceVertices);
         add(mesh->edge_creases);

@@ -312,18 +312,19 @@ namespace cvert { inline namespace CVERT_ISA
       if ((slopes[0] | slopes[1]) == 0) return;
       const uint32_t* const c1 = coordinates[(shearedAxis+1)%3], * const c2 = coordinates[(shearedAxis+2)%3];
       uint32_t* const c = coordinates[shearedAxis];
-      int least = 0x7FFFFFFF, most = 0; // sheared; not sheared
+      int least = 0x7FFFFFFF; // of the sheared coordinates
+      int largest = 0;        // of the others
       for (uint32_t v=0; v<numVertices; v++) {
         const int sheared = int(c[v]) + ((slopes[0]*int(c1[v]) + slopes[1]*int(c2[v]) + 8) >> 4);
         other[v] = uint32_t(sheared);
         least = std::min(least,sheared);
-        most = std::max(most,int(c[v]));
+        largest = std::max(largest,int(c[v]));
       }
       // sheared coordinates begin at 0
       for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
       const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
       // coordinates relative to the moved origin, and the origin itself, must be exact in float
-      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || most-least > 1 << 24 || double(float(moved)) != moved) {
+      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || largest-least > 1 << 24 || double(float(moved)) != moved) {
         slopes[0] = slopes[1] = 0; return;
       }
       origin[shearedAxis] = float(moved);
