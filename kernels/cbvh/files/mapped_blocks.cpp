@@ -4,7 +4,6 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "mapped_blocks.h"
-#include "../embree/scene.h"
 #include "../stored/block_bytes.h"
 #include "validate_framed.h"
 #include "../../cvert/file/record.h"

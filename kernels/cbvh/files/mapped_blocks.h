@@ -10,6 +10,7 @@
 #include "../base/atomic_ref.h"
 #include "../base/codec_names.h"
 #include "../base/block_validity.h"
+#include "../embree/scene.h"
 #include "../../cvert/file/file.h"
 #include <cstdint>
 #include <memory>
