@@ -14,9 +14,9 @@ Takes the commands of the build from compile_commands.json and checks syntax onl
 import json
 import os
 import re
-import shlex
-import subprocess
 import sys
+
+from compile_commands import syntax_check
 
 SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp",
            "building/builder.cpp", "files/loaded_surface.cpp",
@@ -28,27 +28,13 @@ MOVING_MESHES = r"/(moving_mesh|mesh_motion|mesh_motion_decoder|mesh_step_view|m
 MOST_FILES_OF_MOVING_MESH_BLOCKS = 5  # in addition to these
 
 
-def command_of(commands, source):
-    """Returns the compiler's arguments to check the syntax of a source without the paper's representations, from its
-    first build."""
-    entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
-    arguments = shlex.split(entry["command"])
-    output = arguments.index("-o")
-    del arguments[output:output + 2]
-    if "-include" in arguments:  # the precompiled header: its files would be missing in the list
-        header = arguments.index("-include")
-        del arguments[header:header + 2]
-    compiler = next(i for i, word in enumerate(arguments) if re.search(r"(\+\+|clang|gcc|cc)(-[\d.]+)?$", word))
-    return entry["directory"], arguments[compiler:] + ["-O0", "-fsyntax-only", "-H", "-DEMBREE_CBVH_NO_PAPER"]
-
-
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         commands = json.load(file)
     failures = []
     for source in SOURCES:
-        directory, command = command_of(commands, source)
-        run = subprocess.run(command, cwd=directory, capture_output=True, text=True, check=False)
+        entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
+        run = syntax_check(entry, "-H", "-DEMBREE_CBVH_NO_PAPER")
         if run.returncode != 0:
             errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
             failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))

@@ -6,8 +6,10 @@
 /* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. Blocks are decoded
  * unless the boxes that their build computed still exist. */
 
+#include "../base/primitive_type.h"
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
+#include "../../cvert/basics/world.h"
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "../stored/surface_blocks.h"

@@ -6,7 +6,7 @@
 /* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/leaf_intersectors1.h
  * replaces it in libraries without the paper's representations. */
 
-#include "../base/primitive_type.h"
+#include "../base/block_validity.h"
 #include "block_intersector1.h"
 
 namespace embree

@@ -6,6 +6,7 @@
 /* framed_rays1.h for packets. traversal/no_framed_raysK.h replaces it in libraries without the paper's
  * representations. */
 
+#include "../base/block_validity.h"
 #include "block_intersectorK.h"
 
 namespace embree

@@ -5,7 +5,7 @@
 
 /* Replaces framed/framed_raysK.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). */
 
-#include "../embree/ray.h"
+#include "../embree/traversal.h"
 
 namespace embree
 {

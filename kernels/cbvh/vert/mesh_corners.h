@@ -7,6 +7,7 @@
  * vertices rather than corners, because it then holds more groups; each test shears them and permutes them into
  * corners. */
 
+#include "../base/intrinsics.h"
 #include "mesh_cache.h"
 #include "ray.h"
 
