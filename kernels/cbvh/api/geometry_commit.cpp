@@ -7,6 +7,7 @@
 
 #include "interpolation_checks.h"
 #include "../base/environment.h"
+#include "../building/cage_memory.h"
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"
@@ -198,52 +199,6 @@ namespace embree
       return true;
     }
   }
-
-  /*! Memory of a cage that Embree keeps. A friend of SubdivMesh. */
-  struct CageMemory
-  {
-    /*! Embree's own allocation of half-edges rounds their number up to a power of two. */
-    static void reserveHalfEdges (SubdivMesh* mesh)
-    {
-      for (auto& topology : mesh->topology)
-        if (topology.vertexIndices) topology.halfEdges.reserve(mesh->numEdges());
-    }
-
-    /*! Frees the arrays that sort half-edges, which are as large as the half-edges. They are needed again only if the
-     *  topology changes. */
-    static void freeSortedEdges (SubdivMesh* mesh)
-    {
-      for (auto& topology : mesh->topology) {
-        std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges0);
-        std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges1);
-      }
-    }
-
-    /*! Keeps vertex attributes, and the topology that rtcInterpolate needs for them. */
-    static void releaseInput (SubdivMesh* mesh)
-    {
-      const bool hasAttributes = !mesh->vertexAttribs.empty();
-      for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
-      for (auto& tags : mesh->vertex_buffer_tags) std::vector<SharedLazyTessellationCache::CacheEntry>().swap(tags);
-      for (auto& topology : mesh->topology) {
-        topology.vertexIndices = BufferView<unsigned int>();
-        if (!hasAttributes) topology.halfEdges.clear();
-        else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
-      }
-      mesh->faceVertices = BufferView<unsigned int>();
-      mesh->edge_creases = BufferView<SubdivMesh::Edge>();
-      mesh->edge_crease_weights = BufferView<float>();
-      mesh->vertex_creases = BufferView<unsigned int>();
-      mesh->vertex_crease_weights = BufferView<float>();
-      mesh->levels = BufferView<float>();
-      mesh->holes = BufferView<unsigned>();
-      mesh->halfEdgeFace.clear();
-      mesh->numHalfEdges = 0; // functions that use half-edges then report errors
-      if (hasAttributes) return;
-      mesh->faceStartEdge.clear();
-      mesh->invalid_face.clear();
-    }
-  };
 
   bool beginCommit (SubdivMesh* mesh)
   {

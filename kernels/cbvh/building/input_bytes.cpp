@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "input_bytes.h"
+#include "cage_memory.h"
 
 namespace embree
 {
@@ -32,10 +33,8 @@ namespace embree
       void addCage (const SubdivMesh* mesh)
       {
         addVertices(mesh);
-        for (const auto& topology : mesh->topology) {
-          add(topology.vertexIndices);
-          bytes += topology.halfEdges.capacity()*sizeof(HalfEdge); // exceeds size() after edits
-        }
+        for (const auto& topology : mesh->topology) add(topology.vertexIndices);
+        bytes += CageMemory::bytesOfTopology(mesh);
         add(mesh->faceVertices);
         add(mesh->edge_creases);
         add(mesh->edge_crease_weights);

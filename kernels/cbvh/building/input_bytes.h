@@ -8,7 +8,7 @@
 
 namespace embree
 {
-  /*! Bytes of a geometry's half-edges and of the buffers that Embree allocated for it. counted: buffers to skip;
-   *  receives this geometry's buffers. */
+  /*! Bytes of the buffers that Embree allocated for a geometry, and of the topology that Embree makes from them.
+   *  counted: buffers to skip; receives this geometry's buffers. */
   size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted);
 }
