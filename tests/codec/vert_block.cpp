@@ -201,7 +201,7 @@ TEST(VertBlock, BoundsContainTheBlock)
     const VertHeader* block = encoded.block();
     const auto decoded = std::make_unique<DecodedBlock>(block);
     const int m = shearedAxis(block->info);
-    auto stepOn = [&](int k) { return float(boundsStep(block->info))*spacingOf(block, k); };
+    auto stepOn = [&](int k) { return float(boundsUnit(block->info))*spacingOf(block, k); };
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
@@ -306,7 +306,7 @@ TEST(VertBlock, AnyFloatsRoundTrip)
       return h;
     };
     const VertLayout layout = vertLayout(block->region, block->info);
-    const float extent = vertExtent(block->info, block->bounds, boundsStep(block->info),
+    const float extent = vertExtent(block->info, block->bounds, boundsUnit(block->info),
                                     vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
@@ -321,7 +321,7 @@ TEST(VertBlock, AnyFloatsRoundTrip)
             ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
-            const long double step = (long double)spacingOf(block, k)*boundsStep(block->info),
+            const long double step = (long double)spacingOf(block, k)*boundsUnit(block->info),
                               from = k == m ? c : c - block->origin[k];
             const int of = k == m ? 3 : (k - m + 2) % 3;
             ASSERT_TRUE((k == m ? step*encodedBound(block->bounds, 2) : 0) <= from &&

@@ -60,7 +60,8 @@ TEST(VertFormat, ConstantsMatchPages)
   EXPECT_EQ(at.normalDotDir, 3);
   expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
                               {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
-                              {"a plane contains the ray up to this part of the sum, `minCosine`", at.parallelLimit/3},
+                              {"a plane contains the ray up to this part of the sum, `inPlaneTolerance`",
+                               at.parallelLimit/3},
                               {"median edge / default spacing", 1/spacingPerEdge},
                               {"median edge / default spacing, grids of an application", 1/spacingPerGridEdge},
                               {"median edge / default spacing, quads and triangles", 1/spacingPerMeshEdge},
@@ -163,7 +164,7 @@ TEST(VertFormat, FieldsMatchPages)
   for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << info[size_t(4 + i)].first, 1 + i), -7) << i;
   EXPECT_TRUE(isRaw(3u << info[3].first) && !isRaw(~(1u << info[3].first)));
   expectFlag(info[6], hasRemainders);
-  EXPECT_EQ(boundsStep(5u << info[7].first), 32u);
+  EXPECT_EQ(boundsUnit(5u << info[7].first), 32u);
   expectFlag(info[8], hasEdges);
   expectFlag(info[9], hasNumbers);
   expectFlag(info[10], isMoving);
@@ -232,13 +233,13 @@ TEST(VertFormat, MotionMatchesPage)
   expectFlag(info[2], isFirstCellRotated);
   expectFlag(info[3], laterStepStoresUpperBits);
   expectFlag(info[4], hasMargins);
-  EXPECT_EQ(beginBoundsStep(5u << info[5].first), 32u);
+  EXPECT_EQ(beginBoundsUnit(5u << info[5].first), 32u);
   const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");
   ASSERT_EQ(rotation.size(), 5u);
   EXPECT_EQ(rotation[0].count, 16u);
   EXPECT_TRUE(areResidualsRotated(1u << 9, 9) && !areResidualsRotated(~(1u << 9), 9));
   EXPECT_EQ(rotationShift(3u << rotation[1].first), 4u);
-  EXPECT_EQ(endBoundsStep(5u << rotation[2].first), 32u);
+  EXPECT_EQ(endBoundsUnit(5u << rotation[2].first), 32u);
   VertStep step = {};
   step.rotation = 3u << rotation[1].first | uint32_t(uint8_t(-100)) << rotation[4].first;
   for (int i = 0; i < 8; i++) ((int8_t*)step.matrix)[i] = int8_t(11*i - 40);

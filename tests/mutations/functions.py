@@ -51,7 +51,7 @@ FUNCTIONS = (
     Entry("residualOfField", 4, BLOCK),
     Entry("rowOfCell", 2, BLOCK),
     Entry("cellOfGroup", 2, BLOCK),
-    Entry("vertexOfGroup", 2, BLOCK),
+    Entry("vertexIndexInBlock", 2, BLOCK),
     Entry("planesOfGroup", 3, BLOCK),
     Entry("endOfFields", 1, BLOCK),
     Entry("viewOfLaterStep", 2, MOTION),

@@ -7,9 +7,9 @@
 
 namespace interposer {
 
-/* Returns the only object of a type that this function creates. It exists from the first call on, because static
- * initializers of other libraries may call Embree before this library's run. It needs no heap, and is never destroyed,
- * because programs call Embree until they end. Thread-safe. */
+/* Returns the only immortal object of type T. The first call creates it, because static initializers of other libraries
+ * may call Embree before this library's initializers run. It needs no heap, and is never destroyed, because programs
+ * call Embree until they end. Thread-safe. */
 template<typename T>
 T& immortal()
 {

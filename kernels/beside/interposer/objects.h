@@ -61,8 +61,8 @@ struct Scene
   std::atomic<bool> hasBuilt{false};     // the current commit has built substitutes
 };
 
-/* Thread-safe. Handles that Objects does not contain are ignored. Functions that throw std::bad_alloc, as stated, then
- * change nothing; other functions do not allocate. */
+/* Thread-safe. Handles that Objects does not contain are ignored. A function that throws std::bad_alloc, as stated,
+ * changes nothing; other functions do not allocate. */
 class Objects
 {
   typedef std::map<RTCScene, std::unique_ptr<Scene>> Scenes;

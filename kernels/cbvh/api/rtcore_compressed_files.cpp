@@ -129,12 +129,12 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
 }
 
 RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned int index,
-                                               struct RTCCompressedFileGeometryInfo* description)
+                                               struct RTCCompressedFileGeometryInfo* info)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   requireNotNull(file,"file");
-  requireNotNull(description,"info");
+  requireNotNull(info,"info");
   const core::CompressedFileGeometryInfo from = file->geometryInfo(index);
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = from.type;
@@ -146,7 +146,7 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   std::copy_n(from.lower,3,to.lower);
   std::copy_n(from.upper,3,to.upper);
   to.bytes = from.bytes;
-  core::writeStruct(description,to);
+  core::writeStruct(info,to);
   return true;
   RTC_CATCH_END2(file);
   return false;

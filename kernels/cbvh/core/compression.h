@@ -27,8 +27,8 @@ namespace embree
      *  thread may use the geometry during this call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
-    /*! True if a geometry has blocks. After a change it has them until its next commit. Thread safety: no other thread
-     *  may commit the geometry or a scene that contains it during this call. Cost: constant. */
+    /*! True if a geometry has blocks. A changed geometry keeps them until its next commit. Thread safety: no other
+     *  thread may commit the geometry or a scene that contains it during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why the last commit left a geometry to Embree's kernels although it requests compression: a static text

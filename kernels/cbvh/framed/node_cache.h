@@ -48,7 +48,7 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! If the entry's `block` or `number` differs, the caller must decode the tile into it and set both. */
+      /*! Returns the tile's entry. If its `block` or `number` differs, the caller must decode the tile into it. */
       __forceinline Tile& tile (const void* block, uint32_t number) {
         return tiles[hashOfTile(block,number) % numTiles];
       }

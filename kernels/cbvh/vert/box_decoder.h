@@ -46,7 +46,7 @@ namespace embree
       {
         const bool raw = isRaw(block->info);
         const float extent = unlikely(raw) ? 0.0f
-          : vertExtent(block->info,block->bounds,boundsStep(block->info),spacingOf(block->word,block->corners));
+          : vertExtent(block->info,block->bounds,boundsUnit(block->info),spacingOf(block->word,block->corners));
         setShear(block->info,!raw,axes);
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];

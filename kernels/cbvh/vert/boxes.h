@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Rays along the axes of a cVERT block's boxes, and tests against the bounds of the entire block, which need only its
- * header. Boxes must not reject a ray that hits a triangle: planes are moved outward by the rounding errors of
+/* Rays in the coordinates of a cVERT block's boxes, and tests against the bounds of the entire block, which need only
+ * its header. Boxes must not reject a ray that hits a triangle: planes are moved outward by the rounding errors of
  * cvert/rule/rule.h. `Real` is float, or a vector with one ray of a packet per lane. */
 
 #include "box_decoder.h"
@@ -17,11 +17,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray along the sheared axis, relative to the block's origin. error: outward offset of planes. */
+      /*! A ray on the sheared axis. org: relative to the block's origin. slack: outward offset of planes. */
       template<typename Real>
       struct ShearedRay
       {
-        Real org, rcp, error;
+        Real org, rcp, slack;
 
         __forceinline ShearedRay () {}
 
@@ -32,7 +32,7 @@ namespace embree
             along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
           org = along.org;
           rcp = directionReciprocal(along.dir,ray.largestComponent);
-          error = shearedSlack(along.size);
+          slack = shearedSlack(along.size);
         }
       };
 
@@ -58,7 +58,7 @@ namespace embree
           ShearedRay<float> along;
           along.org = coordinate[0];
           along.rcp = directionReciprocal(coordinate[1],ray.largestComponent);
-          along.error = shearedSlack(coordinate[2]);
+          along.slack = shearedSlack(coordinate[2]);
           return along;
         }
       };
@@ -85,7 +85,7 @@ namespace embree
           interval = clipInterval(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
         const ShearedRay<Real> sheared(ray,bounds);
-        const Real slack = sheared.error + Real(bounds.slack[m]);
+        const Real slack = sheared.slack + Real(bounds.slack[m]);
         interval = clipInterval(interval,(Real(bounds.sheared[0])-sheared.org)-slack,
                            (Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
         return interval.from <= interval.to;
@@ -98,7 +98,7 @@ namespace embree
       {
         BlockBounds bounds;
         setShear(block->info,true,bounds);
-        static_cast<ShearedBounds&>(bounds) = decodeBounds(block->info,block->bounds,boundsStep(block->info),
+        static_cast<ShearedBounds&>(bounds) = decodeBounds(block->info,block->bounds,boundsUnit(block->info),
                                                         spacingOf(block->word,block->corners));
         const float extent = extentOfBounds(bounds);
         for (int k=0; k<3; k++) {
@@ -116,7 +116,7 @@ namespace embree
         {
           const float* origin;
           VertSpacing spacing;
-          uint32_t bounds, boundsUnit; //!< bounds, and their unit (boundsStep)
+          uint32_t bounds, boundsUnit; //!< encoded bounds, and their unit
         };
         End ends[2];
         uint32_t info;
@@ -129,14 +129,14 @@ namespace embree
           const VertStep* const end = stepOf(block,segment+1);
           if (likely(segment == 0)) {
             info = block->info;
-            set(ends[0],block->origin,spacingOf(block->word,block->corners),boundsStep(info),block->bounds);
+            set(ends[0],block->origin,spacingOf(block->word,block->corners),boundsUnit(info),block->bounds);
           }
           else {
             const VertStep* const begin = stepOf(block,segment);
             info = begin->info;
-            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginBoundsStep(info),begin->bounds);
+            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginBoundsUnit(info),begin->bounds);
           }
-          set(ends[1],end->origin,spacingOf(end->word,end->corners),endBoundsStep(end->rotation),end->endBounds);
+          set(ends[1],end->origin,spacingOf(end->word,end->corners),endBoundsUnit(end->rotation),end->endBounds);
           raw = isRaw(info) || isRaw(end->info);
         }
 

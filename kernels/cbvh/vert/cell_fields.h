@@ -20,8 +20,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Numbers of vectors: for all vertices of a cell, and for all but the last one. This corner has no field, and
-       *  vectors of 4 or 8 lanes would need one vector more for it. */
+      /*! Numbers of vectors: for all vertices of a cell, and for all but the last one. The last one has no field, but
+       *  would need another vector of 4 or 8 lanes. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
@@ -35,7 +35,7 @@ namespace embree
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
-          const int words = (start+cellFields*bits+31) >> 5; // at most 30, for 21 fields of 45 bits
+          const int words = (start+cellFields*bits+31) >> 5; // at most 30, for 21 residuals of 3 times 15 bits
           const __mmask16 low = words < 16 ? __mmask16((1u << words)-1) : __mmask16(0xFFFF);
           const __mmask16 high = words < 16 ? __mmask16(0) : __mmask16((1u << (words-16))-1);
           const __m512i a = _mm512_maskz_loadu_epi32(low,data), b = _mm512_maskz_loadu_epi32(high,data+64);

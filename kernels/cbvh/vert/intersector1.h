@@ -64,7 +64,7 @@ namespace embree
           if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.negativeAxes >> k) & 1u);
         if (likely(m < 3)) {
           const ShearedRay<float> sheared = at.sheared(vertRay);
-          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
+          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.slack*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
         }
         vboolV hit[vectors];
 #pragma GCC unroll 4

@@ -109,7 +109,7 @@ namespace embree
           vbool<K> lanes = vbool<K>(int(mask));
           const GroupBoxes& boxes = cached.boxes();
           for (int k=0; k<3; k++) {
-            if (k == boxes.shearedAxis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(rayClass & 32u) != 0);
+            if (k == boxes.shearedAxis) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.slack,(rayClass & 32u) != 0);
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
               boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(rayClass >> (2+k)) & 1u);
           }

@@ -18,7 +18,7 @@ struct CodedCell
   uint32_t word;
   uint32_t fields;           //!< byte offset of the fields, relative to StepView::data
   Int3 c00, c10, c01, c11;   //!< coordinates of the cell's corners
-  int distance;              //!< distance of neighboring vertices, in quads
+  int distance;              //!< between neighboring vertices, in quads
   int quadsX, quadsY;        //!< quads per side of the cell
 };
 
@@ -67,7 +67,7 @@ CVERT_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, 
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
-/*! Decodes a residual, by axis. word, fields: as in CodedCell. */
+/*! Decodes a residual: x, y and z. word, fields: as in CodedCell. */
 CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
@@ -119,7 +119,7 @@ CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
   return row;
 }
 
-/*! Coordinates of vertex i of row j, without a rotated residual. data: StepView::data. */
+/*! Coordinates of vertex i of row j. Does not add a rotated residual. data: StepView::data. */
 CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
@@ -137,7 +137,7 @@ CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) 
 
 /*! Index in the block, row by row, of vertex i, j (0 to 4) of a group. Groups with fewer quads repeat their last
  *  vertices. */
-CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
+CVERT_FUNCTION uint32_t vertexIndexInBlock (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
   return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
@@ -151,7 +151,7 @@ CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coord
 }
 
 /*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
- *  vertexOfGroup. */
+ *  vertexIndexInBlock. */
 CVERT_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);

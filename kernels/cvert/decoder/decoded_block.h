@@ -94,7 +94,7 @@ namespace cvert { inline namespace CVERT_ISA
         decodeCell(cell,rotation,group);
         for (uint32_t j=0; j<=uint32_t(cell.quadsY); j++)
           for (uint32_t i=0; i<=uint32_t(cell.quadsX); i++) {
-            const uint32_t vertex = vertexOfGroup(block->region,gx,gy,i,j);
+            const uint32_t vertex = vertexIndexInBlock(block->region,gx,gy,i,j);
             for (int k=0; k<3; k++) {
               const float at = latticeVertex(view,k,group[5*j+i][k]);
               vertices[vertex][k] = view.remainders == 0 ? at : addRemainder(view,vertex,k,at);

@@ -113,12 +113,12 @@ CVERT_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) {
 CVERT_FUNCTION ShearedBounds boundsAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t encoded = step.isLater ? CVERT_AT(VertStep,step.data).bounds : CVERT_AT(VertHeader,step.data).bounds;
-  return decodeBounds(step.info,encoded,step.isLater ? beginBoundsStep(step.info) : boundsStep(step.info),step.spacing);
+  return decodeBounds(step.info,encoded,step.isLater ? beginBoundsUnit(step.info) : boundsUnit(step.info),step.spacing);
 }
 
 /*! Bounds at the step in the shear of the segment that ends with it. info: of the step at the segment's begin. */
 CVERT_FUNCTION ShearedBounds boundsAtEnd (CVERT_IN(StepView) step, uint32_t info) {
-  return decodeBounds(info,CVERT_AT(VertStep,step.data).endBounds,endBoundsStep(step.rotation),step.spacing);
+  return decodeBounds(info,CVERT_AT(VertStep,step.data).endBounds,endBoundsUnit(step.rotation),step.spacing);
 }
 
 CVERT_END

@@ -61,7 +61,7 @@ CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< per group of a raw block: 
 struct VertHeader
 {
   float origin[3];        //!< position of coordinates (0,0,0)
-  uint32_t bounds;        //!< bounds of the block, 8 bits each: see boundsStep
+  uint32_t bounds;        //!< bounds of the block, 8 bits each: see boundsUnit
   uint32_t surface;       //!< surface number, see limits.h
   uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
   uint32_t region;        //!< size and position in the patch: see packRegion
@@ -158,9 +158,9 @@ CVERT_FUNCTION int shearSlope (uint32_t info, int i) { return cellSlope(info,i);
 /*! Unit of VertHeader::bounds, in coordinates. Bits 0..7 and 8..15 are the upper bounds on the axes m+1 and m+2,
  *  whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the lower and the upper bound of the sheared
  *  coordinate. */
-CVERT_FUNCTION uint32_t boundsStep (uint32_t info) { return 1u << ((info >> 25) & 15u); }
+CVERT_FUNCTION uint32_t boundsUnit (uint32_t info) { return 1u << ((info >> 25) & 15u); }
 
-/*! Byte i of VertHeader::bounds, in units of boundsStep. */
+/*! Byte i of VertHeader::bounds, in units of boundsUnit. */
 CVERT_FUNCTION int encodedBound (uint32_t bounds, int i)
 {
   int bits = int((bounds >> (8*i)) & 255u);
@@ -210,15 +210,15 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
  *  sheared[1] for the sheared coordinate. */
 struct ShearedBounds { float upper[2], sheared[2]; };
 
-/*! encoded: VertHeader::bounds, VertStep::bounds or VertStep::endBounds. step: its unit. The products are exact. */
-CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint32_t step, VertSpacing spacing)
+/*! encoded: VertHeader::bounds, VertStep::bounds or VertStep::endBounds. unit: of `encoded`. The products are exact. */
+CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint32_t unit, VertSpacing spacing)
 {
   int m = shearedAxis(info);
   ShearedBounds bounds;
-  bounds.upper[0] = float(encodedBound(encoded,0))*float(step)*spacing.at[axisAfter(m,1)];
-  bounds.upper[1] = float(encodedBound(encoded,1))*float(step)*spacing.at[axisAfter(m,2)];
-  bounds.sheared[0] = float(encodedBound(encoded,2))*float(step)*spacing.at[m];
-  bounds.sheared[1] = float(encodedBound(encoded,3))*float(step)*spacing.at[m];
+  bounds.upper[0] = float(encodedBound(encoded,0))*float(unit)*spacing.at[axisAfter(m,1)];
+  bounds.upper[1] = float(encodedBound(encoded,1))*float(unit)*spacing.at[axisAfter(m,2)];
+  bounds.sheared[0] = float(encodedBound(encoded,2))*float(unit)*spacing.at[m];
+  bounds.sheared[1] = float(encodedBound(encoded,3))*float(unit)*spacing.at[m];
   return bounds;
 }
 
@@ -230,8 +230,8 @@ CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
   return 2.0f*(maximum(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-CVERT_FUNCTION float vertExtent (uint32_t info, uint32_t encoded, uint32_t step, VertSpacing spacing) {
-  return extentOfBounds(decodeBounds(info,encoded,step,spacing));
+CVERT_FUNCTION float vertExtent (uint32_t info, uint32_t encoded, uint32_t unit, VertSpacing spacing) {
+  return extentOfBounds(decodeBounds(info,encoded,unit,spacing));
 }
 
 /*! Factor of the coordinate on axis m+i (i = 1 or 2) in h, which is in spacings of m. */

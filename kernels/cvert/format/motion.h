@@ -43,9 +43,9 @@ struct VertStep
 };
 CVERT_READABLE(VertStep,4)
 
-/* Units of VertStep::bounds and VertStep::endBounds, see boundsStep. */
-CVERT_FUNCTION uint32_t beginBoundsStep (uint32_t info) { return 1u << (info >> 28); }
-CVERT_FUNCTION uint32_t endBoundsStep (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
+/* Units of VertStep::bounds and VertStep::endBounds, see boundsUnit. */
+CVERT_FUNCTION uint32_t beginBoundsUnit (uint32_t info) { return 1u << (info >> 28); }
+CVERT_FUNCTION uint32_t endBoundsUnit (uint32_t rotation) { return 1u << ((rotation >> 19) & 15u); }
 
 CVERT_FUNCTION bool isFirstCellRotated (uint32_t info) { return ((info >> 25) & 1u) != 0u; }
 /*! Upper 8 bits of the words of groups, which the first step always stores. */

@@ -55,7 +55,7 @@ CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
-  Real size;  //!< bound of magnitudes for the rounding error of org, see shearedSlack
+  Real size;  //!< factor of the rounding errors of org and of planes, see shearedSlack
 };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) zeroShearedCoordinate ()
@@ -80,7 +80,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 /*! Distance by which sheared planes move outwards. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! Factor of world axis m+i in the sheared coordinate. */
+/*! Factor of world axis shearedAxis+i in the sheared coordinate. */
 CVERT_FUNCTION float worldShear (uint32_t info, int i) {
   return i == 0 ? 1.0f : float(shearSlope(info,i))*(1.0f/16.0f);
 }
@@ -115,8 +115,8 @@ CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
   return side;
 }
 
-/*! True if the ray is on the same side of three edges, or on some of them. Never false if the ray passes through the
- *  triangle, but may be true if a side rounded to 0. */
+/*! True if no two of the sides have opposite signs. Never false if the ray passes through the triangle, but may be true
+ *  for a miss if a side rounded to 0. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) mayContain (Real a, Real b, Real c) {
   return either(minimum(a,minimum(b,c)) >= Real(0.0f),maximum(a,maximum(b,c)) <= Real(0.0f));
 }
@@ -253,7 +253,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTr
 
 /*! A ray lies in a plane if |n d| is at most this fraction of the sum of |n_k d_k| (n: normal, d: direction): vertices
  *  of 24 bits do not resolve smaller angles. */
-CVERT_CONSTANT float minCosine = 1e-6f;
+CVERT_CONSTANT float inPlaneTolerance = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
 {
@@ -276,7 +276,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
   CVERT_OF_WIDE(PlaneIntersection) at;
   at.t = height/normalDotDir;
   at.normalDotDir = normalDotDir;
-  at.parallelLimit = Wide(minCosine)*size;
+  at.parallelLimit = Wide(inPlaneTolerance)*size;
   return at;
 }
 
@@ -348,7 +348,7 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
 /* Results of classifyHit. */
 CVERT_CONSTANT uint32_t hitIsOutOfRange = 0u; //!< the hit does not count
 CVERT_CONSTANT uint32_t hitIsInRange = 1u;    //!< the hit counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;       //!< the hit counts if it hasPrecedence over the ray's previous one
+CVERT_CONSTANT uint32_t hitIsTied = 2u;       //!< the hit counts if its triangle has precedence, see hasPrecedence
 
 /*! Decides whether a hit counts. distance: of the hit. tfar: end of the ray, or distance of its nearest hit.
  *  isHitDistance: tfar is the distance of a cVERT hit, rounded to float; both are then compared as floats. */

@@ -65,7 +65,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
   vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
                  latticeVertex(step_, 2, coordinates.z));
   if (step_.remainders == 0u) return at;
-  uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
+  uint vertex = vertexIndexInBlock(block.region, gx, gy, uint(i), uint(j));
   for (int k = 0; k < 3; k++) at[k] = addRemainder(step_, vertex, k, at[k]);
   return at;
 }
@@ -73,7 +73,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
 /* World position of a vertex of a raw step. */
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
-  uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
+  uint vertex = vertexIndexInBlock(block.region, gx, gy, uint(i), uint(j));
   return vec3(rawVertex(step_, vertex, 0), rawVertex(step_, vertex, 1), rawVertex(step_, vertex, 2));
 }
 

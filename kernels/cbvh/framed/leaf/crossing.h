@@ -50,8 +50,8 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool hit;
-  /*! If hit: k of the first of these three that is in the lip, or else of the first: entry into the lip's width, exit
-   *  from it, vertex of f. */
+  /*! If hit: k of the entry into the lip's width, of the exit from it, or of the vertex of f. The first one in the lip,
+   *  or else the entry. */
   Real k;
 };
 
@@ -157,8 +157,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   return x;
 }
 
-/*! Intersects a ray with the lips of leaf (leafX,leafY). Returns the first one hit in the order of sides. last: index
- *  of the last leaf along a side of the block. */
+/*! Intersects a ray with the lips of leaf (leafX,leafY). Returns the first one hit: lower x, upper x, lower y,
+ *  upper y. last: index of the last leaf along a side of the block. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
   uint32_t leafY, uint32_t last, CVERT_OF(Lip) lip)
 {
@@ -167,9 +167,9 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_O
   at.k = Real(0);
   for (int side=0; side<4; side++)
   {
-    uint32_t cell = side < 2 ? leafX : leafY;
+    uint32_t position = side < 2 ? leafX : leafY;
     bool upper = (side & 1) != 0;
-    if (at.hit || cell != (upper ? last : 0u)) continue;
+    if (at.hit || position != (upper ? last : 0u)) continue;
     Real p0 = side < 2 ? x.u0 : x.v0, p1 = side < 2 ? x.u1 : x.v1;
     if (upper) { p0 = Real(1)-p0; p1 = Real(1)-p1; }
     at = intersectLip(x.f,p0,p1,lip);
