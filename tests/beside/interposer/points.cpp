@@ -1,9 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
+/* points [without-function]
+ *
+ * Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
  * for subdivision surfaces, so the calls must be the same without the interposer, and with it, which replaces the
- * subdivision surfaces by user geometry. Depends only on the parts of host.h for Embree. */
+ * subdivision surfaces by user geometry. With the argument, the only query has no function: only functions of geometries are called.
+ * Depends only on the parts of host.h for Embree. */
 
 #include "../host.h"
 
@@ -63,6 +66,7 @@ public:
   }
 
   void run();
+  void queryWithoutFunction();
 
 private:
   RTCScene newScene(unsigned meshID);
@@ -314,6 +318,14 @@ void Test::ownInstances()
     }
 }
 
+void Test::queryWithoutFunction()
+{
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query = {0, 0, 0, 0, 2};
+  rtcPointQuery(surfaceFirst, &query, &context, nullptr, nullptr);
+}
+
 void Test::run()
 {
   indices();
@@ -326,10 +338,11 @@ void Test::run()
 
 } // namespace
 
-int main()
+int main(int argc, char**)
 {
   const RTCDevice device = rtcNewDevice("threads=2");
-  Test(device).run();
+  if (argc > 1) Test(device).queryWithoutFunction();
+  else Test(device).run();
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
   return host::conclude("point queries through instances");
