@@ -9,7 +9,7 @@
 
 namespace embree
 {
-  /*! geometry: may be null, for types that cannot be compressed. */
+  /*! geometry: null if its type cannot be compressed. */
   [[noreturn]] inline void throwNotCompressed (const CompressibleGeometry* geometry)
   {
     const char* const reason = geometry ? geometry->surface.rejectionReason : nullptr;

@@ -138,7 +138,7 @@ void buildTogether(Device& device, Build* builds, size_t count)
   });
 }
 
-/* Builds in batches of at most maxBatchBytes of structures, and of scratch memory; larger structures one by one. */
+/* Builds in batches of one structure, or of at most maxBatchBytes each of structures and scratch memory. */
 void buildAll(Device& device, std::vector<Build>& builds)
 {
   const size_t maxBatchBytes = std::min(size_t(64) << 20, device.capabilities.maxAllocation);

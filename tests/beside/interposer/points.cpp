@@ -1,12 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* points [without-function]
- *
- * Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
- * for subdivision surfaces, so the calls must be the same without the interposer, and with it, which replaces the
- * subdivision surfaces by user geometry. With the argument, the only query has no function: only functions of geometries are called.
- * Depends only on the parts of host.h for Embree. */
+/* Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
+ * for subdivision surfaces. The calls must be the same with the interposer, which replaces these by user geometry. With
+ * an argument, runs only a query without a function. Depends only on the parts of host.h for Embree. */
 
 #include "../host.h"
 
