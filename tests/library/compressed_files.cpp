@@ -430,6 +430,12 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   refused(instance, "has not been compressed");
   rtcReleaseGeometry(instance);
+  DicedMesh quad;
+  quad.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  quad.quads = {{0, 1, 2, 3}};
+  RTCGeometry rejected = newMesh(device, quad, RTC_COMPRESSION_CVERT);
+  refused(rejected, "too few");
+  rtcReleaseGeometry(rejected);
 }
 
 // Cages in which all faces are holes, or all are at a border that is not subdivided.

@@ -346,6 +346,8 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
     SCOPED_TRACE(without == loaded ? "loaded" : "released");
     rtcDiceGeometry(without, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << device.message;
+    EXPECT_NE(device.message.find(without == loaded ? "loaded from a file" : "released"), std::string::npos)
+      << device.message;
     for (unsigned id : {0u, 5u, 23u, 24u, ~0u}) {
       rtcGetGeometryFace(without, id);
       EXPECT_NE(device.takeError(), RTC_ERROR_NONE);

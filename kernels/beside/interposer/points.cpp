@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Overrides Embree's point queries, which call a function for each primitive near the point, except for subdivision
+/* Overrides Embree's point queries. These call a function for each primitive near the point, except for subdivision
  * surfaces. Calls for substitutes are not passed on, because the application does not know these primitives. */
 
 #include "objects.h"
@@ -42,9 +42,10 @@ bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
 template<typename Query>
 bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQueryFunction function, const Query& query)
 {
-  if (!function || !hasSubstitutes() || !isActive()) return query(function);
+  if (!hasSubstitutes() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     warnOnce("point queries do not find grids, quads and triangles that are compressed");
+  if (!function) return query(nullptr); // geometries may have functions, too
   const PointQuery entered = {scene, function, context->instStackSize};
   const QueryScope scope(&entered);
   return query(callUnlessSubstituted);

@@ -82,13 +82,13 @@ namespace embree
           [](float& most, float value) { most = std::max(most,value); });
     }
 
-    /*! Statistics of one surface, or of a part of it. Members other than sums are for messages; framed/writer.h also
+    /*! Statistics of one surface, or of a part of it. Members other than `sums` are for messages; framed/writer.h also
      *  rejects a patch by its framelessQuads. */
     struct SurfaceStatistics
     {
       CompressionStatistics sums;
       size_t highRateQuads = 0;    //!< traced by GRID because of their edge rates
-      size_t framelessQuads = 0;   //!< in full precision, because their block has no valid frame
+      size_t framelessQuads = 0;   //!< in full precision, because their block has no good frame
       size_t framelessQuadsInGrid = 0; //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< primitives that the commit reports as invalid (surface/source.h)

@@ -4,8 +4,8 @@
 #pragma once
 
 /* The line that the commit of a scene prints at verbosity 1, or if EMBREE_CBVH contains "verbose": what is compressed,
- * what is not and why, and its memory. Static and moving surfaces have a line each. If only one is printed, it lists
- * the uncompressed geometries of both. For users who cannot change the program. */
+ * its memory, and what is not compressed and why. Static and moving surfaces have a line each. If only one is printed,
+ * it lists the uncompressed geometries of both. For users who cannot change the program. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
@@ -54,8 +54,10 @@ namespace embree
         if (scene.inputBytes) line << "; buffers that stay: " << mebibytes(scene.inputBytes) << " MiB";
         if (scene.cacheBytesPerThread)
           line << "; caches: up to " << mebibytes(scene.cacheBytesPerThread) << " MiB per thread";
-        const char* between = "; not compressed: ";
-        auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
+        const char* separator = "; not compressed: ";
+        auto add = [&](size_t n, const std::string& what) {
+          if (n) { line << separator << n << what; separator = ", "; }
+        };
         add(notRequested,notRequested == 1 ? " subdivision surface that does not ask for it"
           : " subdivision surfaces that do not ask for it");
         add(all.highRateQuads," quads with too high edge rates");

@@ -147,6 +147,7 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only subdivision surfaces can be diced");
       requireEditable(geometry);
       SubdivMesh* const mesh = (SubdivMesh*) geometry;
+      requireBuffer(geometry,mesh->vertices[0].getPtr());
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
           || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");

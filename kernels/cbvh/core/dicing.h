@@ -14,7 +14,7 @@ namespace embree
 
   namespace core
   {
-    /*! As rtcDiceGeometry: sets the level buffer of a subdivision surface and returns the levels, one per index. An
+    /*! As rtcDiceGeometry: sets the level buffer of a subdivision surface and returns its rates, one per index. An
      *  edge has the highest rate of its faces and time steps, rounded to the nearest power of two up to the maximum.
      *  Thread safety: no other thread may use the geometry during this call; several threads call the displacement
      *  function. */

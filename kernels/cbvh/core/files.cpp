@@ -40,7 +40,7 @@ namespace embree
           const auto requestsCompression = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
-          if (!blocks || !requestsCompression()) throwNotCompressed();
+          if (!blocks || !requestsCompression()) throwNotCompressed(geometry);
           if (saved->state != unsigned(Geometry::State::COMMITTED))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: it changed since its last commit");

@@ -42,7 +42,7 @@ namespace embree
 
         explicit HeldBlocks (Geometry* held)
           : geometry(held), blocks(asCompressible(held) ? cbvh::blocksOf(asCompressible(held)) : nullptr) {
-          if (!blocks) throwNotCompressed();
+          if (!blocks) throwNotCompressed(asCompressible(held));
         }
       };
     }

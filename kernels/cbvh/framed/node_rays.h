@@ -39,11 +39,11 @@ namespace embree
         }
 
         /*! See NearestHit::finalTfar. */
-        __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& tfar) const
+        __forceinline void setFinalTfar (const vbool<K>& valid, vfloat<K>& currentTfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            tfar[k] = nearest[k].finalTfar(tfar[k]);
+            currentTfar[k] = nearest[k].finalTfar(currentTfar[k]);
           }
         }
 
@@ -53,7 +53,6 @@ namespace embree
         }
       };
 
-      /*! See LocalRay and NodeRay. */
       template<int K>
       struct NodeRays
       {
@@ -88,9 +87,10 @@ namespace embree
             vfloat4::load(block->columns[2]));
           const vfloat<K> farthest =
             madd(vfloat<K>(relativeBoxRadius),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
-          const vfloat<K> distance = vfloat<K>(distanceUlps*floatUlp)*farthest;
+          const vfloat<K> displacement = vfloat<K>(distanceUlps*floatUlp)*farthest;
           vfloat<K> epsilon[3];
-          for (int k=0; k<3; k++) epsilon[k] = madd(distance,vfloat<K>(stretch.withW[k]),vfloat<K>(unitUlps*floatUlp));
+          for (int k=0; k<3; k++)
+            epsilon[k] = madd(displacement,vfloat<K>(stretch.withW[k]),vfloat<K>(unitUlps*floatUlp));
 
           vfloat<K> tauIn(neg_inf), tauOut(pos_inf);
           vbool<K> outside(false);
@@ -149,8 +149,8 @@ namespace embree
         }
       };
 
-      /*! Values of s, not clamped, at which the lines of rays enter and leave a box widened by epsilon: its extent in x
-       *  and y, its extent in z, and the box itself. */
+      /*! Values of s, not clamped, at which the lines of rays enter and leave a box widened by epsilon. enterXY and
+       *  leaveXY ignore z; enterZ and leaveZ ignore x and y. */
       template<int K>
       struct BoxRangesK
       {

@@ -5,19 +5,24 @@
 
 #include "surface_blocks.h"
 #include "../embree/scene.h"
+#include <string>
 
 namespace embree
 {
-  [[noreturn]] inline void throwNotCompressed () {
-    throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-        "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+  /*! geometry: null if its type cannot be compressed. */
+  [[noreturn]] inline void throwNotCompressed (const CompressibleGeometry* geometry)
+  {
+    const char* const reason = geometry ? geometry->surface.rejectionReason : nullptr;
+    const std::string why = reason && *reason ? std::string("its primitives ") + reason
+      : "it asks for no compression, or neither it nor its scene was committed";
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: " + why);
   }
 
   /*! Blocks of a geometry, valid until its next commit. Throws RTC_ERROR_INVALID_OPERATION if it has none. */
   inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
   {
     const CompressibleGeometry* const compressible = asCompressible(geometry);
-    if (!compressible || !compressible->surface.blocks) throwNotCompressed();
+    if (!compressible || !compressible->surface.blocks) throwNotCompressed(compressible);
     return *compressible->surface.blocks;
   }
 }

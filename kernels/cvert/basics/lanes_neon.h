@@ -75,7 +75,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator&(Int4 a, Int4 b) { return vandq_s32(a.v,b.v); }
     friend Int4 operator^(Int4 a, Int4 b) { return veorq_s32(a.v,b.v); }
 
-    /* A shift by 32 returns 0, as in SSE2. Right shifts fill with zeros. */
+    /* A shift by 32 returns 0, as in SSE2. */
     friend Int4 operator<<(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(n)); }
     friend Int4 operator>>(Int4 a, int n) {
       return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n)));

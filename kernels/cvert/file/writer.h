@@ -19,8 +19,8 @@ namespace cvert
   class FileSurface
   {
   public:
-    /*! The caller sets form, source, compression, numPrimitives, numTimeSteps, begin, end and, optionally, measures and
-     *  counts, also lower and upper unless it calls appendToList(); the writer sets the rest. */
+    /*! The caller sets form, source, compression, numPrimitives, numTimeSteps, begin and end; lower and upper, unless
+     *  it calls appendToList(); optionally measures and counts. The writer sets the rest. */
     FileGeometry record = FileGeometry();
 
     std::vector<char> tree;  //!< array of FileNode (FILE_TREE) or FileEntry (FILE_LIST and FILE_MOVING)
@@ -84,8 +84,8 @@ namespace cvert
     size_t size () const { return directory.size(); }
 
   private:
-    /*! With a key, add() begins with a checkpoint, the directory, if this many bytes follow the last one. A killed
-     *  process loses the geometries after it. */
+    /*! With a key, add() first writes a checkpoint (the directory) if this many bytes follow the last one. A killed
+     *  process loses the geometries after its last checkpoint. */
     static const uint64_t checkpointInterval = uint64_t(64) << 20;
 
     /*! suffix: of the unfinished file if another writer may continue it, else empty. */
@@ -110,7 +110,7 @@ namespace cvert
 
     const std::string path;
     std::unique_ptr<UnfinishedFile> file; //!< null after commit
-    const bool isResumable;               //!< has a key: the file is kept without commit
+    const bool isResumable;               //!< has a key: another writer may continue the file
     bool failed = false;
     uint64_t key = 0;
     uint64_t writtenBytes = 0;            //!< bytes in the file

@@ -62,7 +62,7 @@ struct Build
 {
   VkAccelerationStructureTypeKHR type;
   VkAccelerationStructureGeometryKHR geometry;
-  uint32_t count;
+  uint32_t count;                         // of boxes or instances
   VkAccelerationStructureKHR from;        // source of an update, or VK_NULL_HANDLE
   size_t bytes, scratch;                  // set by measure()
   std::shared_ptr<Structure> structure;   // set by buildTogether()
@@ -117,14 +117,14 @@ void buildTogether(Device& device, Build* builds, size_t count)
   std::vector<VkAccelerationStructureBuildGeometryInfoKHR> infos;
   std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
   std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> pointers;
-  size_t offset = 0, at = roundedUp(scratch.address, alignment);
+  size_t offset = 0, scratchAddress = roundedUp(scratch.address, alignment);
   for (size_t i = 0; i < count; i++) {
     builds[i].structure = std::make_shared<Structure>(device, builds[i].type, memory, offset, builds[i].bytes);
     infos.push_back(builds[i].info());
-    infos.back().scratchData.deviceAddress = at;
+    infos.back().scratchData.deviceAddress = scratchAddress;
     ranges.push_back({builds[i].count, 0, 0, 0});
     offset += roundedUp(builds[i].bytes, structureAlignment);
-    at += roundedUp(builds[i].scratch, alignment);
+    scratchAddress += roundedUp(builds[i].scratch, alignment);
   }
   for (const auto& range : ranges) pointers.push_back(&range);
   const VkPipelineStageFlags build = VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
@@ -138,18 +138,17 @@ void buildTogether(Device& device, Build* builds, size_t count)
   });
 }
 
-/* Builds in batches that limit the memory. */
+/* Builds in batches of one structure, or of at most maxBatchBytes each of structures and scratch memory. */
 void buildAll(Device& device, std::vector<Build>& builds)
 {
-  /* bytes per batch, for structures and for scratch memory */
-  const size_t most = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
+  const size_t maxBatchBytes = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
   for (Build& build : builds) build.measure(device);
   for (size_t first = 0; first < builds.size();) {
     size_t last = first, bytes = 0, scratch = 0;
     while (last < builds.size()) {
       bytes += roundedUp(builds[last].bytes, structureAlignment);
       scratch += roundedUp(builds[last].scratch, device.capabilities.scratchAlignment);
-      if (last > first && std::max(bytes, scratch) > most) break;
+      if (last > first && std::max(bytes, scratch) > maxBatchBytes) break;
       last++;
     }
     buildTogether(device, &builds[first], last - first);
@@ -186,13 +185,14 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
   }
   buildAll(device, builds);
   device.structures.removeExpired();
-  std::vector<std::shared_ptr<const BottomLevel>> built(builds.size());
+  std::vector<std::shared_ptr<const BottomLevel>> levels(builds.size());
   for (const auto& entry : buildOf) {
-    built[entry.second] = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
-    device.structures.add(built[entry.second]);
+    levels[entry.second]
+      = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
+    device.structures.add(levels[entry.second]);
   }
   for (LevelRequest& request : requests)
-    if (!request.level) request.level = built[buildOf[request.key]];
+    if (!request.level) request.level = levels[buildOf[request.key]];
   return counts;
 }
 

@@ -12,8 +12,8 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
-/* The nearest hit in leaves so far. hit.t is less if the query committed a nearer hit of another kind
- * (cbvhIntersectCandidate). The other members then still describe the hit in a leaf. */
+/* The nearest hit in leaves so far. If the query committed a nearer hit of another kind (cbvhIntersectCandidate), hit.t
+ * is its distance. The other members still describe the hit in a leaf. */
 struct CbvhNearestHit
 {
   CbvhHit hit;
@@ -51,13 +51,14 @@ bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 }
 
 /* Intersects the leaf of a box. Returns true and updates `found` if it finds a hit nearer than found.hit.t, or one at
- * the same distance that replaces it. address: of the scene. placed: custom index of the instance. box: index of the
+ * the same distance that replaces it. address: of the scene. customIndex: of the instance. box: index of the
  * primitive. ray: in the scene's space, with the same tfar in all calls with `found`. anyHit: see ray.glsl. */
-bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhNearestHit found)
+bool cbvhIntersectBox (uvec2 address, uint customIndex, uint box, CbvhRay ray, const bool anyHit,
+                       inout CbvhNearestHit found)
 {
   if (!cbvhMayHit(ray)) return false;
   SceneData scene = CbvhSceneAt(address).scene;
-  PlacedBoxes place = CbvhPlacedBoxes(scene.placed).at[placed];
+  PlacedBoxes place = CbvhPlacedBoxes(scene.placed).at[customIndex];
   LeafBox leaf = CbvhLeafBoxes(place.boxes).at[box];
   CbvhRay local = ray;
   if (cbvhHasKind(instanceReferenceType) && place.instID != CBVH_INVALID_ID)
@@ -82,9 +83,9 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
 {
   if (rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT)
     found.hit.t = min(found.hit.t, rayQueryGetIntersectionTEXT(query, true));
-  uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
+  uint customIndex = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
        box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
-  if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
+  if (cbvhIntersectBox(scene, customIndex, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
 /* Traces a ray through the library's top level. A power of two scales the direction's largest component into [1,4),
@@ -108,9 +109,9 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   bool isHit = false;
   while (rayQueryProceedEXT(query))
   {
-    uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
+    uint customIndex = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
          box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
-    if (!cbvhIntersectBox(address, placed, box, ray, anyHit, found)) continue;
+    if (!cbvhIntersectBox(address, customIndex, box, ray, anyHit, found)) continue;
     isHit = true;
     rayQueryGenerateIntersectionEXT(query, clamp(found.hit.t*unit, tmin, tmax));
     if (anyHit) rayQueryTerminateEXT(query);

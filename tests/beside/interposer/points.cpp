@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
- * for subdivision surfaces, so the calls must be the same without the interposer, and with it, which replaces the
- * subdivision surfaces by user geometry. Depends only on the parts of host.h for Embree. */
+ * for subdivision surfaces. The calls must be the same with the interposer, which replaces these by user geometry. With
+ * an argument, runs only a query without a function. Depends only on the parts of host.h for Embree. */
 
 #include "../host.h"
 
@@ -63,6 +63,7 @@ public:
   }
 
   void run();
+  void queryWithoutFunction();
 
 private:
   RTCScene newScene(unsigned meshID);
@@ -314,6 +315,14 @@ void Test::ownInstances()
     }
 }
 
+void Test::queryWithoutFunction()
+{
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query = {0, 0, 0, 0, 2};
+  rtcPointQuery(surfaceFirst, &query, &context, nullptr, nullptr);
+}
+
 void Test::run()
 {
   indices();
@@ -326,10 +335,11 @@ void Test::run()
 
 } // namespace
 
-int main()
+int main(int argc, char**)
 {
   const RTCDevice device = rtcNewDevice("threads=2");
-  Test(device).run();
+  if (argc > 1) Test(device).queryWithoutFunction();
+  else Test(device).run();
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
   return host::conclude("point queries through instances");
