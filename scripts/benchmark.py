@@ -142,7 +142,7 @@ def faces_of(path):
 def choose_jobs(options, build):
     """Returns the jobs of the command line. Prints a line for each job that this build does not support."""
     if options.set not in sets.NAMES:
-        raise Failure(f"unknown set '{options.set}', known are {', '.join(sets.NAMES)}")
+        raise Failure(f"unknown set '{options.set}': expected one of {', '.join(sets.NAMES)}")
     if options.cage:
         for path in filter(None, (options.cage, options.height)):
             if not Path(path).is_file():
@@ -154,17 +154,18 @@ def choose_jobs(options, build):
         return [sets.own_cage(Path(options.cage).stem, shlex.join(words), levels, faces_of(options.cage))]
     for name in ("height", "amplitude", "level"):
         if getattr(options, name):
-            raise Failure(f"--{name} belongs to --cage: a set has its own")
+            raise Failure(f"--{name} needs --cage: the scenes of a set have their own")
     jobs = sets.jobs_of(options.set, build["isas"])
     for name in options.scene or []:
         if name not in build["scenes"]:
-            raise Failure(f"unknown scene '{name}', known are {', '.join(build['scenes'])}")
+            raise Failure(f"unknown scene '{name}': expected some of {', '.join(build['scenes'])}")
         if not any(base_name(job.scene) == name for job in jobs):
             raise Failure(f"scene '{name}' is not in the set '{options.set}'")
     for name in options.job or []:
         if not any(matches(job, name) for job in jobs):
             raise Failure(
-                f"job '{name}' is not in the set '{options.set}', which has {', '.join(job.name for job in jobs)}"
+                f"job '{name}' is not in the set '{options.set}': expected some of"
+                f" {', '.join(job.name for job in jobs)}"
             )
     if options.scene:
         jobs = [job for job in jobs if base_name(job.scene) in options.scene]

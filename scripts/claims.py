@@ -99,7 +99,7 @@ def main():
         type=Path,
         default=ROOT / "build/release/tutorials/render/cbvh_render",
         metavar="PROGRAM",
-        help="cbvh_render (default: that of build/release)",
+        help="cbvh_render (default: build/release/tutorials/render/cbvh_render)",
     )
     parser.add_argument(
         "--scene",

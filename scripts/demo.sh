@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds on a fresh Debian 12 or 13 what the pictures require. Renders trex in cVERT, then trex and cube in every
-# representation, with speeds and errors.
+# Builds the renderer on a fresh Debian 12 or 13. Renders trex in cVERT, then trex and cube in every representation,
+# with speeds and errors.
 #
 #   scripts/demo.sh [--build] [--short] [DIRECTORY]    writes the pictures to DIRECTORY (default: output/demo)
 #

@@ -39,7 +39,7 @@ FOLDERS = {
     "kernels/cbvh/surface": "vertices, patches, lattices, shared borders",
     "kernels/cbvh/state": "what a geometry and a device keep",
     "kernels/cbvh/base": "memory, IDs, statistics, Embree's vectors",
-    "kernels/cbvh/embree": "the only door to Embree's internals",
+    "kernels/cbvh/embree": "all includes of Embree's internals",
     "kernels/cvert/clusters": "clusters for GPUs",
     "kernels/cvert/file": "files: layout, reader, writer",
     "kernels/cvert/encoder": "lattice, encoder",

@@ -128,7 +128,7 @@ def measure_herd(program, folder, options):
     if free < FILE_BYTES_PER_QUAD * count * quads_per_copy:
         raise SystemExit(
             f"{folder}: {free / GIB:.0f} GiB are free, but the file needs about"
-            f" {FILE_BYTES_PER_QUAD * count * quads_per_copy / GIB:.0f}"
+            f" {FILE_BYTES_PER_QUAD * count * quads_per_copy / GIB:.0f} GiB: expected another folder or fewer --quads"
         )
     scene = ["--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert"]
     build_options = [*scene, "--size", "64x64", "--samples", 1, "--output", folder / "build"]

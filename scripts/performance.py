@@ -161,7 +161,7 @@ def main():
         type=Path,
         default=ROOT / "build/release/tutorials/bench/cbvh_bench",
         metavar="PROGRAM",
-        help="cbvh_bench (default: that of build/release)",
+        help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)",
     )
     parser.add_argument("--record", metavar="FILE", help="use this record instead of measuring")
     parser.add_argument(

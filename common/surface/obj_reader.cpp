@@ -302,7 +302,7 @@ private:
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
         fail("sharpness " + printable(words[3 + counts[0] + i]) + " is " +
-             (sharpness < 0.0f ? "negative" : "no number") + "; expected 0 or more");
+             (sharpness < 0.0f ? "negative" : "not a number") + "; expected 0 or more");
       tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // infinitely sharp, as in OpenSubdiv
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());

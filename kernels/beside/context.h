@@ -142,6 +142,10 @@ inline void require(bool condition, const char* text)
   if (!condition) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
 }
 
+[[noreturn]] inline void throwInvalidArgument(const std::string& text) {
+  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+}
+
 /* Throws CBVH_ERROR_INVALID_ARGUMENT if bits other than the known ones are set. of: what has the flags. */
 void checkFlags(unsigned int flags, unsigned int known, const char* of);
 

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 using namespace embree::beside;
 
@@ -106,10 +108,11 @@ CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t 
   if (!context || !group) return rejectArgument("context or group is NULL");
   return guarded(context, [&] {
     require(count > 0 && surfaces, "there are no surfaces: expected at least 1");
-    require(count < 0xFFFFFFFFu, "too many surfaces: expected less than 4294967295");
+    require(count < 0xFFFFFFFFu, "too many surfaces: expected fewer than 4294967295");
     for (size_t i = 0; i < count; i++) {
-      require(surfaces[i], "a surface is NULL");
-      require(surfaces[i]->context.get() == context, "a surface belongs to another context");
+      if (!surfaces[i]) throwInvalidArgument("surface " + std::to_string(i) + " is NULL");
+      if (surfaces[i]->context.get() != context)
+        throwInvalidArgument("surface " + std::to_string(i) + " belongs to another context");
     }
     *group = new CbvhGroupTy(context, surfaces, count);
   });
@@ -136,7 +139,11 @@ unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index)
 {
   if (!group) { rejectArgument("group is NULL"); return 0; }
   if (index >= group->firstPrimitive.size()) {
-    rejectArgument("invalid index: expected 0 to the number of surfaces of the group"); return 0;
+    char text[96];
+    std::snprintf(text, sizeof(text), "invalid index %zu: expected 0 to %zu, the number of surfaces", index,
+      group->surfaces.size());
+    rejectArgument(text);
+    return 0;
   }
   return unsigned(std::min(group->firstPrimitive[index], maxPrimitive));
 }
@@ -158,7 +165,7 @@ CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int kn
   return guarded(group->context.get(), [&] {
     checkFlags(flags, known, "geometry");
     if (group->firstPrimitive.back() >= maxPrimitive)
-      throw Failure{CBVH_ERROR_INVALID_OPERATION, "too many primitives for a geometry: expected less than 4294967295"};
+      throw Failure{CBVH_ERROR_INVALID_OPERATION, "too many primitives for a geometry: expected fewer than 4294967295"};
   });
 }
 

@@ -58,7 +58,7 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
   case CBVH_BOUNDARY_PIN_BOUNDARY: return RTC_SUBDIVISION_MODE_PIN_BOUNDARY;
   case CBVH_BOUNDARY_PIN_ALL: return RTC_SUBDIVISION_MODE_PIN_ALL;
   }
-  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "invalid boundary: expected a value of CbvhBoundary"};
+  throwInvalidArgument("invalid boundary " + std::to_string(int(boundary)) + ": expected 0 to 3, see CbvhBoundary");
 }
 
 bool reportProgress(void* self, double done)
@@ -72,8 +72,6 @@ bool reportProgress(void* self, double done)
 std::string describeItem(const char* item, size_t i, const char* verb, size_t value) {
   return std::string(item) + " " + std::to_string(i) + " " + verb + " " + std::to_string(value);
 }
-
-[[noreturn]] void throwInvalidArgument(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
 /* Throws if a value is not below `bound`, for example "crease index 3 is vertex 9: the cage has 8 vertices", with the
  * item "crease index", the target "vertex" and the targets "vertices". */
@@ -116,7 +114,9 @@ void checkTopology(const CbvhCage& cage)
  * no nonQuads. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
-  require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
+  if (primID >= numPrimitives)
+    throwInvalidArgument("invalid primID " + std::to_string(primID) + ": the surface has "
+      + std::to_string(numPrimitives) + " faces");
   const auto reject = [&](const std::string& why) {
     throwInvalidArgument("u " + numberText(u) + ", v " + numberText(v) + " of face " + std::to_string(primID)
       + ": " + why);
@@ -135,6 +135,13 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
     reject("expected one of its " + std::to_string(corners) + " sub-patches, as hits number them");
 }
 
+void Input::checkAttribute(unsigned int attribute) const
+{
+  if (attribute >= widths.size())
+    throwInvalidArgument("invalid attribute " + std::to_string(attribute) + ": the surface has "
+      + std::to_string(widths.size()) + " attributes");
+}
+
 CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surface)
 {
   if (surface.isChanging.exchange(true))
@@ -145,18 +152,22 @@ CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surfac
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
   require(vertices.steps && vertices.numVertices > 0, "there are no vertices");
-  require(vertices.stride >= 12 && vertices.stride % 4 == 0,
-    "invalid stride of vertices: expected a multiple of 4 bytes, at least 12");
-  require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "invalid number of time steps: expected 1 to 129");
+  if (vertices.stride < 12 || vertices.stride % 4 != 0)
+    throwInvalidArgument("invalid stride of vertices, " + std::to_string(vertices.stride)
+      + " bytes: expected a multiple of 4, at least 12");
+  if (vertices.numSteps < 1 || vertices.numSteps > maxSteps)
+    throwInvalidArgument("invalid number of time steps " + std::to_string(vertices.numSteps) + ": expected 1 to "
+      + std::to_string(maxSteps));
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   if (vertices.numSteps > 1) {
-    require(std::isfinite(vertices.startTime) && std::isfinite(vertices.endTime)
-        && vertices.startTime < vertices.endTime,
-      "invalid time range: expected finite times and startTime < endTime");
+    if (!std::isfinite(vertices.startTime) || !std::isfinite(vertices.endTime)
+        || !(vertices.startTime < vertices.endTime))
+      throwInvalidArgument("invalid time range " + numberText(vertices.startTime) + " to "
+        + numberText(vertices.endTime) + ": expected finite times and startTime < endTime");
     rtcSetGeometryTimeRange(geometry, vertices.startTime, vertices.endTime);
   }
   for (unsigned int i = 0; i < vertices.numSteps; i++) {
-    require(vertices.steps[i] != nullptr, "the vertices of a time step are NULL");
+    if (!vertices.steps[i]) throwInvalidArgument("the vertices of time step " + std::to_string(i) + " are NULL");
     if (copies)
       copyTo(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 12, vertices.stride,
         vertices.numVertices);
@@ -176,10 +187,13 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   const ChangeScope change(*this);
   require(cage.numFaces > 0 && cage.faceVertexCounts && cage.indices, "the cage has no faces, or no indices");
   require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu,
-    "too many faces or indices: expected less than 4294967295");
+    "too many faces or indices: expected fewer than 4294967295 of each");
   const size_t numRates = cage.rates ? cage.numIndices : 1;
   const float* const rates = cage.rates ? cage.rates : &cage.rate;
-  for (size_t i = 0; i < numRates; i++) require(rates[i] >= 1 && rates[i] <= 4096, "invalid rate: expected 1 to 4096");
+  for (size_t i = 0; i < numRates; i++)
+    if (!(rates[i] >= 1 && rates[i] <= 4096))
+      throwInvalidArgument("invalid rate " + numberText(rates[i])
+        + (cage.rates ? " at index " + std::to_string(i) : "") + ": expected 1 to 4096");
   require(cage.numCreases == 0 || (cage.creases && cage.creaseSharpness),
     "creases or creaseSharpness is NULL, but numCreases is not 0");
   require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness),
@@ -219,15 +233,18 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   unsigned int topology = 0;
   for (size_t i = 0; i < cage.numAttributes; i++) {
     const CbvhAttribute& attribute = cage.attributes[i];
-    require(attribute.values && attribute.numValues > 0, "an attribute has no values");
-    require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width
-      && attribute.stride % 4 == 0,
-        "invalid width or stride of an attribute: expected a width of 1 to 16, and a stride of at least 4*width "
-        "that is a multiple of 4 bytes");
+    const std::string name = "attribute " + std::to_string(i);
+    if (!attribute.values || attribute.numValues == 0) throwInvalidArgument(name + " has no values");
+    if (attribute.width < 1 || attribute.width > 16 || attribute.stride < 4*attribute.width
+      || attribute.stride % 4 != 0)
+      throwInvalidArgument(name + " has width " + std::to_string(attribute.width) + " and stride "
+        + std::to_string(attribute.stride) + ": expected a width of 1 to 16, and a stride of at least 4*width that is "
+          "a multiple of 4 bytes");
     const unsigned int* const indices = attribute.indices ? attribute.indices : cage.indices;
     for (size_t k = 0; k < cage.numIndices; k++)
-      require(indices[k] < attribute.numValues,
-        "an index of an attribute is past its values: expected less than their number");
+      if (indices[k] >= attribute.numValues)
+        throwInvalidArgument("index " + std::to_string(k) + " of " + name + " is " + std::to_string(indices[k])
+          + ": the attribute has " + std::to_string(attribute.numValues) + " values");
     copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1),
       attribute.values, 4*attribute.width, attribute.stride, attribute.numValues);
     input->widths.push_back(attribute.width);
@@ -244,7 +261,7 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 {
   const ChangeScope change(*this);
   require(grids.numGrids > 0 && grids.grids, "there are no grids");
-  require(grids.numGrids < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
+  require(grids.numGrids < 0xFFFFFFFFu, "too many grids: expected fewer than 4294967295");
   InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
   static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   input->numPrimitives = unsigned(grids.numGrids);
@@ -256,9 +273,10 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
   const ChangeScope change(*this);
-  require(mesh.verticesPerFace == 3 || mesh.verticesPerFace == 4, "invalid verticesPerFace of a mesh: expected 3 or 4");
+  if (mesh.verticesPerFace != 3 && mesh.verticesPerFace != 4)
+    throwInvalidArgument("invalid verticesPerFace " + std::to_string(mesh.verticesPerFace) + ": expected 3 or 4");
   require(mesh.numFaces > 0 && mesh.indices, "the mesh has no indices");
-  require(mesh.numFaces < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
+  require(mesh.numFaces < 0xFFFFFFFFu, "too many faces of a mesh: expected fewer than 4294967295");
   const bool hasQuads = mesh.verticesPerFace == 4;
   InputPtr input(new Input(context->device, hasQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
   input->numPrimitives = unsigned(mesh.numFaces);
@@ -405,7 +423,8 @@ void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committedI
 void CbvhSurfaceTy::load(const char* path)
 {
   const core::CompressedFile file(context->embreeDevice(), path);
-  require(file.size() == 1, "invalid number of geometries in the file: expected 1");
+  if (file.size() != 1)
+    throwInvalidArgument(std::string(path) + ": has " + std::to_string(file.size()) + " geometries: expected 1");
   const core::CompressedFileGeometryInfo info = file.geometryInfo(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
   current->numPrimitives = info.numPrimitives;
@@ -526,8 +545,7 @@ CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned int primID, flo
 {
   return onSurface(surface, [&] {
     const std::shared_ptr<const Input> input = surface->interpolationInput();
-    require(attribute < input->widths.size(),
-      "invalid attribute: expected less than the number of attributes of the surface");
+    input->checkAttribute(attribute);
     input->checkParameters(primID, u, v);
     rtcInterpolate1(input->geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv,
       input->widths[attribute]);
@@ -540,8 +558,7 @@ CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface, const CbvhInterp
   return withStruct(surface, interpolation, "points", [&](const CbvhInterpolationPoints& points) {
     require(points.count == 0 || (points.u && points.v), "u or v is NULL");
     const std::shared_ptr<const Input> input = surface->interpolationInput();
-    require(points.attribute < input->widths.size(),
-      "invalid attribute: expected less than the number of attributes of the surface");
+    input->checkAttribute(points.attribute);
     const unsigned int width = input->widths[points.attribute];
     for (size_t i = 0; i < points.count; i++) input->checkParameters(points.primID, points.u[i], points.v[i]);
     const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };

@@ -39,6 +39,7 @@ struct Input
   /* Throws unless the face exists and contains the point (u, v), in the parametrization of hits. Requires a cage with
    * attributes. */
   void checkParameters(unsigned int primID, float u, float v) const;
+  void checkAttribute(unsigned int attribute) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
   explicit Input(RTCGeometry geometry) : geometry(geometry) {} // takes ownership

@@ -527,21 +527,23 @@ TEST(Beside, InvalidInputIsReportedByName)
   const std::vector<const float*> none(2, nullptr);
   expectInvalid("no faces", [](CbvhCage& c) { c.numFaces = 0; });
   expectInvalid("no faces", [](CbvhCage& c) { c.indices = nullptr; });
-  expectInvalid("rate", [](CbvhCage& c) { c.rate = 0; });
-  expectInvalid("rate", [](CbvhCage& c) { c.rate = NAN; });
+  expectInvalid("invalid rate 0:", [](CbvhCage& c) { c.rate = 0; });
+  expectInvalid("invalid rate nan:", [](CbvhCage& c) { c.rate = NAN; });
   std::vector<float> rates(24, 4);
   rates[7] = 4097;
-  expectInvalid("rate", [&](CbvhCage& c) { c.rates = rates.data(); });
-  expectInvalid("stride", [](CbvhCage& c) { c.vertices.stride = 10; });
-  expectInvalid("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
-  expectInvalid("time range", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
-  expectInvalid("NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
+  expectInvalid("invalid rate 4097 at index 7:", [&](CbvhCage& c) { c.rates = rates.data(); });
+  expectInvalid("stride of vertices, 10 bytes", [](CbvhCage& c) { c.vertices.stride = 10; });
+  expectInvalid("time steps 130:", [](CbvhCage& c) { c.vertices.numSteps = 130; });
+  expectInvalid("time range 0 to 0:", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
+  expectInvalid("time step 0 are NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
   expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
-  expectInvalid("boundary", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
+  expectInvalid("invalid boundary 9:", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
-  expectInvalid("past its values", [&](CbvhCage& c) { c.numAttributes = 1; c.attributes = &attribute; });
+  expectInvalid("index 1 of attribute 0 is 4: the attribute has 1 values", [&](CbvhCage& c) {
+    c.numAttributes = 1; c.attributes = &attribute;
+  });
   context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
@@ -568,7 +570,7 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   CbvhGroup group = nullptr;
   const CbvhSurface surfaces[2] = {surface, nullptr};
-  context.expect(cbvhNewGroup(context, surfaces, 2, &group), CBVH_ERROR_INVALID_ARGUMENT, "a surface is NULL");
+  context.expect(cbvhNewGroup(context, surfaces, 2, &group), CBVH_ERROR_INVALID_ARGUMENT, "surface 1 is NULL");
   Context other;
   EXPECT_EQ(cbvhNewGroup(other, surfaces, 1, &group), CBVH_ERROR_INVALID_ARGUMENT);
   ASSERT_EQ(cbvhNewGroup(context, surfaces, 1, &group), CBVH_OK);
@@ -660,9 +662,9 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
     EXPECT_TRUE(value >= 0 && value <= 49);
   }
   context.expect(cbvhInterpolateAttribute(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
-                 "attribute");
+                 "invalid attribute 2: the surface has 2 attributes");
   context.expect(cbvhInterpolateAttribute(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
-                 "face");
+                 "invalid primID 6: the surface has 6 faces");
 }
 
 // Limits of the faces at a vertex, of the cage or of an attribute's topology.

@@ -45,7 +45,7 @@ VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY)
   return {packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY), packEdges(quadsX, quadsY, 1, 1, 1, 5)};
 }
 
-// On a lattice: a plane, a bend and noise in spacings.
+// Vertices on a lattice: a plane, a bend and noise in spacings.
 struct Sheet
 {
   uint32_t quadsX, quadsY;
@@ -65,7 +65,7 @@ struct Sheet
       for (uint32_t x = 0; x <= quadsX; x++) {
         const double h = roughness*random.normal() + 0.02*(double(x)*x - double(y)*x);
         std::array<float, 3> v;
-        // 40 is not along a normal: residuals of all axes are large
+        // with a roughness of 40, residuals are large on all axes
         const double sideways = roughness == 40 ? 1000 : 0;
         for (int k = 0; k < 3; k++)
           v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] +
@@ -121,7 +121,7 @@ TEST(VertBlock, VerticesRoundTrip)
     }
   }
   EXPECT_GT(packed, 3000u);
-  EXPECT_GT(packed + raw, 3999u);
+  EXPECT_GT(raw, 0u);
   EXPECT_GT(byAxis, 300u);
 }
 
@@ -406,7 +406,7 @@ TEST(VertBlock, SpacingsAreTheFinestOfExactBoxes)
   }
 }
 
-// Their quotient is less than all positive floats.
+// The quotient of a tiny coordinate and a large one is less than all positive floats.
 TEST(VertBlock, TinyCoordinatesNextToLargeOnesRoundTrip)
 {
   auto encoder = std::make_unique<VertEncoder>();
@@ -488,7 +488,7 @@ TEST(VertCell, SlopesAreRoundedToSixteenths)
       EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
-// The requested spacing or a finer one, at any position.
+// The largest supported power of two up to the requested spacing.
 TEST(WorldLattice, ExponentsMatchRequestedSpacing)
 {
   EXPECT_EQ(latticeExponent(0.25), -2);

@@ -291,7 +291,7 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: ", {"tag", "vertex 4", " 4"}},
     {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: ", {"tag", "face 1", " 1"}},
     {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: ", {"sharpness -1 ", "negative"}},
-    {"t corner 1/1/0 0 nan\nf 1 2 3\n", "test.obj:5: ", {"sharpness nan ", "no number"}},
+    {"t corner 1/1/0 0 nan\nf 1 2 3\n", "test.obj:5: ", {"sharpness nan ", "not a number"}},
     {"t interpolateboundary 1/0/0 3\n", "test.obj:5: ", {"tag 'interpolateboundary'", " 3", "0, 1 or 2"}},
     {"t corn\x84 0/0/0\n", "test.obj:5: ", {"tag 'corn?'"}},
     {"t \x84 1/0/0/\x84\n", "test.obj:5: ", {"tag '?'", " 1/0/0/? ", " 0"}},

@@ -63,7 +63,10 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
       const PatchPoint far =
         surface.patches().advance(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
       if (far.face == p.face && far.subPatch == p.subPatch)
-        continue; // a boundary of the cage
+      {
+        ASSERT_FALSE(cage.holes.empty()) << "a closed cage has no boundary";
+        continue;
+      }
       const unsigned here = cage.faceSizes[p.face], there = cage.faceSizes[far.face];
       const double scale = here == 4 && there != 4 ? 2 : here != 4 && there == 4 ? 0.5 : 1;
       const double depths[4] = {far.u, far.v, 1 - far.u, 1 - far.v};

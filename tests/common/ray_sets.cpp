@@ -80,6 +80,9 @@ TEST(RaySets, BouncesAreTheSameForTheSameSeed)
   BounceSettings other;
   other.seed = 2;
   const auto c = bounceRays(primary, hits, other);
+  ASSERT_EQ(a.size(), 100u);
+  ASSERT_EQ(b.size(), 100u);
+  ASSERT_EQ(c.size(), 100u);
   size_t same = 0;
   for (size_t i = 0; i < a.size(); i++)
   {

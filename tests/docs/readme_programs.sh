@@ -32,7 +32,7 @@ block c 1 > first_ray.c
 
 sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\1/p' "$page" |
   sed "s|/opt/embree-cbvh|$work/opt|g" > commands
-[ "$(wc -l < commands)" = 2 ] || fail "the page has not two lines that compile the program"
+[ "$(wc -l < commands)" = 2 ] || fail "the page has $(wc -l < commands) lines that compile the program: expected 2"
 sed 's/ cc / cc -Wall -Wextra -Werror -pedantic /; s/^cc /cc -Wall -Wextra -Werror -pedantic /' commands > strict
 output=$(sh -eu strict) || fail "the program does not compile and run"
 echo "$output"

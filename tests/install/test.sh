@@ -27,7 +27,7 @@ if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   [ -e "$work"/prefix/lib/libembree3_vulkan.so.3 ]
   [ -f "$work/prefix/include/embree3/rtcore_vulkan.h" ]
   [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
-  # the prefix of names is not in front of other words of comments
+  # comments contain the prefix only in names of functions
   ! grep -E '^ *(/?\*|//)' "$work/prefix/include/embree3/cbvh.glsl" | grep -E '\bcbvh_[a-z]+\b([^(]|$)' ||
     fail "these comments of cbvh.glsl contain prefixes"
   # it finds the library next to it
@@ -138,12 +138,14 @@ cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
 functions=$(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' \
   rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h \
   rtcore_compressed_files.h)
+[ "$(echo "$functions" | wc -w)" -gt 20 ] || fail "few functions in our headers: $functions"
 for function in $functions; do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
 done
 functions=$(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(')
+[ "$(echo "$functions" | wc -w)" -gt 20 ] || fail "few functions in cbvh.h: $functions"
 for function in $functions; do
   function=${function%(}
   [ -s "$work/prefix/share/man/man3/$function.3cbvh" ] || fail "$function has no manual page"

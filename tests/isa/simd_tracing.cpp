@@ -45,7 +45,7 @@ struct AnyHitRay : public embree::Ray
   bool found = false;
 };
 
-// Called with what a visitor reports; the hit is the last argument.
+// Receives a visitor's report, whose last argument is the hit.
 template<typename... Reported>
 bool report(RecordingRay& ray, embree::IntersectContext*, Reported&&... reported)
 {
@@ -461,12 +461,12 @@ struct BothSegments
   }
 };
 
-enum Encounter { MISSES, MEETS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
+enum Encounter { MISSES, HITS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
 
 // See framed_rays.md, "Walk".
 Encounter encounter(const Segment<double>& segment, const NodeBox& box)
 {
-  if (isOnSegment(rangeInBox(segment, box, 3))) return MEETS;
+  if (isOnSegment(rangeInBox(segment, box, 3))) return HITS;
   const Range<double> range = rangeInBox(segment, box, 2);
   if (!isOnSegment(range)) return MISSES;
   const double middle = 0.5*(std::max(range.lower, 0.0) + std::min(range.upper, 1.0));
@@ -493,7 +493,7 @@ TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
       if (!stable) { unstable++; continue; }
       counts[expected]++;
       SCOPED_TRACE(testing::Message() << "segment " << i << ", child " << child);
-      ASSERT_EQ((masks.hit >> child) & 1, uint32_t(expected == MEETS));
+      ASSERT_EQ((masks.hit >> child) & 1, uint32_t(expected == HITS));
       ASSERT_EQ((masks.passed >> child) & 1, uint32_t(expected == PASSES_ABOVE || expected == PASSES_BELOW));
       if ((masks.passed >> child) & 1) { ASSERT_EQ(ray.isAbove(boxes, child), expected == PASSES_ABOVE); }
     }
@@ -529,7 +529,7 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
     const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
     const uint32_t word = hasSeparateLeaves(heights) ? random.bits() : randomLatticeWord(random);
     NodeEntries::LeafTile tile;
-    // the same four, four times
+    // all four groups are the same
     for (uint32_t c = 0; c < 4; c++)
       simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox());
     simd::BoxRanges<16> ranges;
@@ -541,10 +541,10 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
       const LeafPatch leaf = decodeLeaf(word, heights, int(lane), rootBox());
       if (leaf.solid || leaf.empty || !((masks.hit >> child) & 1)) continue;
       const LeafEvent expected = crossPatch(segments.scalar, leaf).event;
-      bool stable = encounter(segments.scalar, leaf.box) == MEETS;
+      bool stable = encounter(segments.scalar, leaf.box) == HITS;
       for (int m = 0; m < 8; m++) {
         const Segment<double> moved = segments.moved(random);
-        stable = stable && encounter(moved, leaf.box) == MEETS && sameEvent(crossPatch(moved, leaf).event, expected);
+        stable = stable && encounter(moved, leaf.box) == HITS && sameEvent(crossPatch(moved, leaf).event, expected);
       }
       if (!stable) { unstable++; continue; }
       compared++;
@@ -618,8 +618,8 @@ TEST(NearestHit, NearestWinsThenFirstBlockInEveryOrder)
   }
 }
 
-// Hits of triangles, which have no block with a frame: closer than a block's hit, or at the same distance.
-TEST(NearestHit, EndOfRayIsEndOfItsHit)
+// Hits of triangles change only the ray's tfar: they are closer than a block's hit, or at the same distance.
+TEST(NearestHit, FinalTfarBelongsToTheNearestHit)
 {
   Block block = {};
   simd::NearestHit nearest;

@@ -209,7 +209,7 @@ TEST(Dicing, TransformOfInstanceIsApplied)
   EXPECT_EQ(surface.rates(args), here);
 }
 
-TEST(Dicing, CameraOnSurfaceAndNonFiniteVerticesGiveValidRates)
+TEST(Dicing, RatesAreValidOnTheSurfaceAndForNonFiniteVertices)
 {
   Device device;
   Surface cube(device, cubeCage());

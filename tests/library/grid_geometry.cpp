@@ -102,11 +102,11 @@ TEST_P(GridGeometry, MixedScenesMatchEmbree)
   }
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   const std::vector<RTCRayHit> rays = raysAt(random, diced, 503);
-  std::set<unsigned> met;
-  for (const RTCRayHit& ray : rays) met.insert(intersect(embree, ray).hit.geomID);
+  std::set<unsigned> found;
+  for (const RTCRayHit& ray : rays) found.insert(intersect(embree, ray).hit.geomID);
   expectSameQueries(embree, scene, rays);
   expectSameQueries(instances[0], instances[1], rays);
-  EXPECT_EQ(met.count(5) + met.count(2), 2u);
+  EXPECT_EQ(found.count(5) + found.count(2), 2u);
 }
 
 TEST_P(GridGeometry, MasksAndFilters)
@@ -458,7 +458,7 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 }
 
-// Grids of 2 x 2 quads take 68 bytes, less than any block.
+// Embree stores a grid of 2 x 2 quads in 68 bytes, less than any block.
 TEST(GridSurfaces, SmallestGridsAreNotCompressed)
 {
   Device device;
@@ -602,7 +602,7 @@ TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
   Device device;
   const Diced diced = dicedSheet(60, 8);
   struct Monitor { size_t calls = 0, last = ~size_t(0); double most = 0; std::mutex mutex; } monitor;
-  const auto tell = [](void* self, double done) {
+  const auto report = [](void* self, double done) {
     Monitor& m = *(Monitor*)self;
     const std::lock_guard<std::mutex> lock(m.mutex);
     m.most = std::max(m.most, done);
@@ -610,7 +610,7 @@ TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
   };
   Scene scene(device);
   attach(scene, newGrids(device, diced, RTC_COMPRESSION_CVERT));
-  rtcSetSceneProgressMonitorFunction(scene, tell, &monitor);
+  rtcSetSceneProgressMonitorFunction(scene, report, &monitor);
   monitor.last = 3;
   rtcCommitScene(scene);
   EXPECT_EQ(device.takeError(), RTC_ERROR_CANCELLED);

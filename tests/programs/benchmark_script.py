@@ -199,7 +199,7 @@ class Benchmark(unittest.TestCase):
             (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
             (["--cage", "missing.obj"], "missing.obj: no such file"),
             (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
-            (["--height", "x.exr"], "--height belongs to --cage"),
+            (["--height", "x.exr"], "--height needs --cage"),
             (["gpu", "--device", "nvidia"], "unknown --device 'nvidia'"),
             (["--bench", "nothing"], "no such program"),
         ):
@@ -274,7 +274,7 @@ class Benchmark(unittest.TestCase):
             if text:
                 self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), text)
                 self.assertIn(f"--level '{text}': expected levels from 0 to 8", done.stderr)
-        self.assertIn("--level belongs to --cage", self.run_script("quick", "--level", "4").stderr)
+        self.assertIn("--level needs --cage", self.run_script("quick", "--level", "4").stderr)
 
     def test_estimate_of_own_cage_depends_on_its_size(self):
         def seconds(*words):

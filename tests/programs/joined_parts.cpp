@@ -45,7 +45,7 @@ void paste(File& whole, const File& part, int x, int y, std::vector<int>& seen)
 {
   const size_t pixel = whole.spec.pixel_bytes(true);
   if (part.spec.pixel_bytes(true) != pixel)
-    fail("other channels");
+    fail("the channels of a part differ from the whole picture");
   for (int row = 0; row < part.spec.height; row++)
   {
     const size_t at = size_t(y + row) * whole.spec.width + x;

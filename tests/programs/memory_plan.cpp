@@ -113,7 +113,7 @@ protected:
     std::filesystem::temp_directory_path() / ("cbvh-memory-" + std::to_string(getpid()));
 };
 
-TEST_F(AvailableMemory, IsTheMachinesWithoutALimit)
+TEST_F(AvailableMemory, WithoutALimitIsReadFromMeminfo)
 {
   EXPECT_EQ(kibibytes(), 4000u);
   write("proc/self/cgroup", "0::/\n");
@@ -136,7 +136,7 @@ TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
   EXPECT_EQ(kibibytes(), 0u);
 }
 
-TEST_F(AvailableMemory, EachEnclosingGroupLimits)
+TEST_F(AvailableMemory, IsLimitedByEachEnclosingGroup)
 {
   write("proc/self/cgroup", "1:name=systemd:/elsewhere\n0::/jobs/mine\n");
   writeGroup("/jobs", "1024000", "0");
@@ -146,7 +146,7 @@ TEST_F(AvailableMemory, EachEnclosingGroupLimits)
   EXPECT_EQ(kibibytes(), 500u);
 }
 
-TEST_F(AvailableMemory, GroupsOfVersion1Limit)
+TEST_F(AvailableMemory, IsLimitedByGroupsOfVersion1)
 {
   write("proc/self/cgroup", "4:memory:/host/path\n0::/\n"); // the path outside of a container
   write("sys/fs/cgroup/memory/memory.limit_in_bytes", "2048000\n");

@@ -219,7 +219,7 @@ TEST_F(Terrain, AnyNameOfPngSelects16Bits)
 TEST_F(Terrain, InvalidArgumentsAreRejected)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
-  expectRefusal(path + " --crop 0,0,22,21", "0,0,21,21");
+  expectRefusal(path + " --crop 0,0,22,21", "invalid --crop 0,0,22,21: expected a part of 0,0,21,21");
   expectRefusal(path + " --cell 0", "--cell 0");
   expectRefusal(path + " --accuracy nan", "--accuracy nan");
   expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return NAN; }), "no quad");

@@ -119,11 +119,14 @@ TEST(Viewpoint, LookRotatesInPlace)
 
 TEST(Viewpoint, LookingStraightUpAndDownIsStable)
 {
-  Viewpoint view(Camera({0, 5, 0}, {0, 0, 0}, {0, 1, 0}, 40, size), {0, 1, 0});
-  view.pan(10, 10, 5, size);
-  view.move(1, 1);
-  view.orbit(0.1f, 0.1f);
-  EXPECT_TRUE(isFinite(view.position()) && isFinite(view.direction()));
+  for (const float y : {5.0f, -5.0f})
+  {
+    Viewpoint view(Camera({0, y, 0}, {0, 0, 0}, {0, 1, 0}, 40, size), {0, 1, 0});
+    view.pan(10, 10, 5, size);
+    view.move(1, 1);
+    view.orbit(0.1f, 0.1f);
+    EXPECT_TRUE(isFinite(view.position()) && isFinite(view.direction())) << "from y = " << y;
+  }
 }
 
 /* --- the window's layout ----------------------------------------------------------------- */

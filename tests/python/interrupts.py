@@ -105,10 +105,10 @@ class Interrupts(unittest.TestCase):
         model, last = long_model(), []
 
         def progress(started):
-            def tell(_, fraction):
+            def report(_, fraction):
                 last.append(fraction)
                 started()
-            return tell
+            return report
 
         self.interrupt(lambda started: cbvh.build(model, **LONG, progress=progress(started)))
         self.assertLess(last[-1], 1)

@@ -115,7 +115,7 @@ class Queries(unittest.TestCase):
         twice, _ = engine.intersects_id(origins, directions, max_hits=2)
         self.assertEqual(len(twice), np.minimum(found, 2).sum())
 
-    def test_hits_are_those_of_all_triangles(self):
+    def test_hits_match_a_search_over_all_triangles(self):
         self.check(sphere())
 
     def test_small_meshes_work_too(self):

@@ -36,7 +36,7 @@ public:
   enum When
   {
     INSTEAD, // the function is not called
-    BEHIND   // the function is called, but its result is replaced, as if a device is lost during a wait
+    AFTER    // the function is called, but its result is replaced, as if a device is lost during a wait
   };
 
   // Makes the n-th call of a function from now on fail, counted from 1; only this call, or all later ones too.

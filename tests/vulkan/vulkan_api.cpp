@@ -399,8 +399,11 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
 
   for (unsigned i = 0; i < count; i++) {
     if (infos[i].unsupportedReason[0]) continue;
-    std::string part = std::string(infos[i].name).substr(1, 5);
-    std::transform(part.begin(), part.end(), part.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    const auto upper = [](std::string text) {
+      std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+      return text;
+    };
+    const std::string part = upper(infos[i].name).substr(1, 5);
     for (const std::string& selector : {std::to_string(i), std::string(infos[i].name), part}) {
       const VulkanDevice opened(rtcNewVulkanDevice(embree, selector.c_str()));
       ASSERT_TRUE(opened) << selector << ": " << embree.message;
@@ -408,7 +411,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
       rtcGetVulkanDeviceInfo(opened.get(), &info);
       const size_t members = offsetof(RTCVulkanDeviceInfo, hasRayQuery) + sizeof(info.hasRayQuery); // without padding
       EXPECT_TRUE(selector != std::to_string(i) || !std::memcmp(&info, &infos[i], members));
-      EXPECT_TRUE(has(info.name, selector == part ? part.substr(0, 0) : selector) || selector == std::to_string(i));
+      EXPECT_TRUE(has(upper(info.name), upper(selector)) || selector == std::to_string(i)) << info.name;
       RTCVulkanDeviceHandles handles;
       rtcGetVulkanDeviceHandles(opened.get(), &handles);
       EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device &&
@@ -491,10 +494,10 @@ TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
   EXPECT_FALSE(upload(scene));
   expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
   rtcCommitScene(scene);
-  const VulkanScene behind = upload(scene, RTC_VULKAN_MEMORY_COPY);
+  const VulkanScene after = upload(scene, RTC_VULKAN_MEMORY_COPY);
   const std::vector<RTCRayHit> rays = {makeRay({-0.5f, -0.5f, 5}, {0, 0, -1})};
   EXPECT_EQ(traceAll(before.get(), rays)[0].ray.tfar, 4);
-  EXPECT_EQ(traceAll(behind.get(), rays)[0].ray.tfar, 3);
+  EXPECT_EQ(traceAll(after.get(), rays)[0].ray.tfar, 3);
 }
 
 } // namespace

@@ -331,7 +331,7 @@ TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
   const RTCVulkanTrace one = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
   const RTCVulkanTrace other = rtcStartVulkanOccluded(uploaded.get(), occluded.data(), occluded.size());
   ASSERT_TRUE(one && other) << embree.message;
-  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::AFTER, true);
   RTCVulkanTraceTimes times = {sizeof(times), -1, -1, -1};
   EXPECT_FALSE(rtcFinishVulkanTrace(one, traced.data(), &times));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
@@ -355,7 +355,7 @@ TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
   ASSERT_TRUE(trace) << embree.message;
   faults->fail("GetFenceStatus", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
   EXPECT_TRUE(rtcIsVulkanTraceDone(trace));
-  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::AFTER, true);
   EXPECT_FALSE(rtcFinishVulkanTrace(trace, rays.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
 }
@@ -366,7 +366,7 @@ TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
   reopen();
   SmallScene scene(embree);
   for (const auto& [function, when] :
-       {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
+       {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::AFTER)}) {
     faults->fail(function, 1, VK_ERROR_DEVICE_LOST, when, true);
     EXPECT_FALSE(newVulkanScene(device, scene));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
@@ -392,7 +392,7 @@ TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
       ASSERT_TRUE(trace) << message;
     }
     rtcReleaseDevice(other);
-    faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+    faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::AFTER, true);
     EXPECT_FALSE(rtcFinishVulkanTrace(trace, rays.data(), nullptr));
   }
   EXPECT_TRUE(has(message, "the device is lost")) << message;

@@ -249,7 +249,9 @@ class RayMeshIntersector:
         origins = np.array(ray_origins, dtype=np.float64)
         directions = np.array(ray_directions, dtype=np.float64)
         if origins.shape != directions.shape:
-            raise ValueError("Ray origin and direction don't match!")
+            raise ValueError(
+                f"ray_origins has shape {origins.shape}, ray_directions {directions.shape}: expected equal shapes"
+            )
         lengths = np.linalg.norm(directions, axis=1, keepdims=True)
         directions /= np.where(lengths > 0, lengths, 1)
         return scene, (origins - origin) * scale, directions, origin, scale

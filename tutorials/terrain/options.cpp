@@ -85,8 +85,10 @@ void setCrop(Options& options, const Elevation& elevation)
     crop = {0, 0, elevation.width(), elevation.height()};
   if (crop[0] < 0 || crop[1] < 0 || crop[2] <= crop[0] || crop[3] <= crop[1] || crop[2] > elevation.width()
       || crop[3] > elevation.height())
-    throw Error("invalid --crop: expected a part of 0,0," + std::to_string(elevation.width()) + "," +
-                std::to_string(elevation.height()));
+    throw Error("invalid --crop " + std::to_string(crop[0]) + "," + std::to_string(crop[1]) + "," +
+                std::to_string(crop[2]) + "," + std::to_string(crop[3]) + ": expected a part of 0,0," +
+                std::to_string(elevation.width()) + "," + std::to_string(elevation.height()) +
+                " with x0 < x1 and y0 < y1");
 }
 
 } // namespace cbvh

@@ -291,7 +291,7 @@ namespace embree
                     << std::endl;
         if (statistics.sums.numFallbackQuads)
           std::cerr << geometry << statistics.sums.numFallbackQuads
-                    << " quads of faces that leaves represent badly (borders, creases, walls, folds) "
+                    << " quads of faces that cLEAF represents badly (borders, creases, walls, folds) "
                        "are stored as cVERT" << std::endl;
         if (statistics.sums.numRawBlocks)
           std::cerr << geometry << statistics.sums.numRawBlocks

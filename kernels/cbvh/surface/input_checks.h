@@ -23,8 +23,8 @@ namespace embree
           + std::to_string(verticesAt(0)));
     if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-        "invalid time range (expected a start before the end): " + numberText(mesh->time_range.lower) + " to "
-        + numberText(mesh->time_range.upper));
+        "invalid time range " + numberText(mesh->time_range.lower) + " to " + numberText(mesh->time_range.upper)
+        + ": expected a start before the end");
   }
 
   /*! Throws if a cage's buffers are shorter than its faces and creases require. */

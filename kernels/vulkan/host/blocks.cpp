@@ -42,7 +42,7 @@ void requireValid(const FlatBlock& block)
   else {
     reason = validateFramedBlock(block.data, block.bytes);
     if (!reason && blockReferenceType(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
-      reason = {cvert::ErrorCode::DAMAGED, "its kind differs from that of its reference"};
+      reason = {cvert::ErrorCode::DAMAGED, "its kind differs from the kind in its reference"};
   }
   if (reason)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());

@@ -126,7 +126,7 @@ Device::Device(RTCDevice embree, const RTCVulkanDeviceHandles& applicationHandle
   instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, families.data());
   if (handles.queueFamily >= count || !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid queueFamily " + std::to_string(handles.queueFamily)
-                      + ": it cannot compute, or is none of the device's " + std::to_string(count));
+                      + ": expected a family with VK_QUEUE_COMPUTE_BIT, below " + std::to_string(count));
   capabilities.timestampBits = families[handles.queueFamily].timestampValidBits;
   vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
   try {

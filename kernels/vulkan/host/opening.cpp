@@ -272,7 +272,7 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& s
   if (best) return best;
   if (!unsupported.empty()) throw VulkanError(unsupportedError, "the Vulkan device " + unsupported);
   throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("there is no Vulkan device ")
-                    + (isIndex ? "with index '" : "'") + selector + "', there are: " + known);
+                    + (isIndex ? "with index '" : "'") + selector + "': expected one of " + known);
 }
 
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, const Capabilities& capabilities)

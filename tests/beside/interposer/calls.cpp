@@ -316,7 +316,7 @@ void Program::filters()
   both.intersect.filter = both.occluded.filter = neither.intersect.filter = neither.occluded.filter = refuseLeft;
   both.intersect.flags = both.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
   shoot(scene, both);
-  shoot(scene, neither);   // the geometry is not enabled
+  shoot(scene, neither);   // neither the query nor the geometry enables the filter
 
   rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
   rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
