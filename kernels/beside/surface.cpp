@@ -22,6 +22,7 @@ using embree::numberText;
 namespace {
 
 constexpr unsigned int maxSteps = 129; // RTC_MAX_TIME_STEP_COUNT
+constexpr size_t maxSharedBytes = size_t(1) << 34; // Embree's limit for vertices of grids and meshes
 
 /* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. */
 void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
@@ -147,12 +148,14 @@ void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertic
   require(vertices.steps && vertices.numVertices > 0, "there are no vertices");
   require(vertices.stride >= 12 && vertices.stride % 4 == 0,
     "invalid stride of vertices: expected a multiple of 4 bytes, at least 12");
+  require(vertices.numVertices <= 0xFFFFFFFFu, "too many vertices: expected at most 4294967295");
+  require(copies || vertices.numVertices <= maxSharedBytes/vertices.stride,
+    "too many vertices for their stride: expected at most 16 GiB per time step");
   require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "invalid number of time steps: expected 1 to 129");
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   if (vertices.numSteps > 1) {
-    require(std::isfinite(vertices.startTime) && std::isfinite(vertices.endTime)
-        && vertices.startTime < vertices.endTime,
-      "invalid time range: expected finite times and startTime < endTime");
+    require(vertices.startTime < vertices.endTime && std::isfinite(vertices.endTime - vertices.startTime),
+      "invalid time range: expected finite times, startTime < endTime and a finite difference");
     rtcSetGeometryTimeRange(geometry, vertices.startTime, vertices.endTime);
   }
   for (unsigned int i = 0; i < vertices.numSteps; i++) {

@@ -536,12 +536,24 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
   expectInvalid("time range", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
   expectInvalid("NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
+  expectInvalid("time range", [](CbvhCage& c) { c.vertices.startTime = -3e38f; c.vertices.endTime = 3e38f; });
   expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
+  expectInvalid("too many vertices", [](CbvhCage& c) { c.vertices.numVertices = size_t(1) << 32; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   expectInvalid("boundary", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
   expectInvalid("past its values", [&](CbvhCage& c) { c.numAttributes = 1; c.attributes = &attribute; });
+  const CbvhGrid grid = {0, 2, 2, 2};
+  const float corner = 0;
+  const float* const steps[] = {&corner};
+  for (size_t stride : {size_t(1) << 33, size_t(1) << 62}) { // four such strides are 32 GiB, and 0 modulo 2^64
+    CbvhGrids grids = CbvhGrids();
+    grids.numGrids = 1;
+    grids.grids = &grid;
+    grids.vertices = {4, stride, steps, 1, 0, 0};
+    context.expect(cbvhSetSurfaceGrids(surface, &grids), CBVH_ERROR_INVALID_ARGUMENT, "16 GiB");
+  }
   context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
