@@ -54,10 +54,8 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 
 void CbvhGroupTy::commit()
 {
-  for (const auto& surface : surfaces) { // both calls may throw, so they precede all changes of the scene
-    surface->committedInput();
-    surface->applyMask();
-  }
+  for (const auto& surface : surfaces) surface->committedInput(); // throws before any mask is applied
+  for (const auto& surface : surfaces) surface->applyMask(); // may throw, so it precedes all changes of the scene
   for (size_t i = 0; i < surfaces.size(); i++) {
     const RTCGeometry geometry = surfaces[i]->committedInput()->geometry;
     if (geometry == attached[i]) continue;

@@ -22,6 +22,7 @@ using embree::numberText;
 namespace {
 
 constexpr unsigned int maxSteps = 129; // RTC_MAX_TIME_STEP_COUNT
+constexpr size_t maxSharedBytes = size_t(1) << 34; // Embree's limit for vertices of grids and meshes
 
 /* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. */
 void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
@@ -155,15 +156,20 @@ void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertic
   if (vertices.stride < 12 || vertices.stride % 4 != 0)
     throwInvalidArgument("invalid stride of vertices, " + std::to_string(vertices.stride)
       + " bytes: expected a multiple of 4, at least 12");
+  if (vertices.numVertices > 0xFFFFFFFFu)
+    throwInvalidArgument("too many vertices, " + std::to_string(vertices.numVertices)
+      + ": expected at most 4294967295");
+  if (!copies && vertices.numVertices > maxSharedBytes/vertices.stride)
+    throwInvalidArgument("too many vertices, " + std::to_string(vertices.numVertices) + " with a stride of "
+      + std::to_string(vertices.stride) + " bytes: expected at most 16 GiB per time step");
   if (vertices.numSteps < 1 || vertices.numSteps > maxSteps)
     throwInvalidArgument("invalid number of time steps " + std::to_string(vertices.numSteps) + ": expected 1 to "
       + std::to_string(maxSteps));
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   if (vertices.numSteps > 1) {
-    if (!std::isfinite(vertices.startTime) || !std::isfinite(vertices.endTime)
-        || !(vertices.startTime < vertices.endTime))
+    if (!(vertices.startTime < vertices.endTime && std::isfinite(vertices.endTime - vertices.startTime)))
       throwInvalidArgument("invalid time range " + numberText(vertices.startTime) + " to "
-        + numberText(vertices.endTime) + ": expected finite times and startTime < endTime");
+        + numberText(vertices.endTime) + ": expected finite times, startTime < endTime and a finite difference");
     rtcSetGeometryTimeRange(geometry, vertices.startTime, vertices.endTime);
   }
   for (unsigned int i = 0; i < vertices.numSteps; i++) {

@@ -536,7 +536,9 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("time steps 130:", [](CbvhCage& c) { c.vertices.numSteps = 130; });
   expectInvalid("time range 0 to 0:", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
   expectInvalid("time step 0 are NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
+  expectInvalid("time range", [](CbvhCage& c) { c.vertices.startTime = -3e38f; c.vertices.endTime = 3e38f; });
   expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
+  expectInvalid("too many vertices", [](CbvhCage& c) { c.vertices.numVertices = size_t(1) << 32; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   expectInvalid("invalid boundary 9:", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
@@ -544,6 +546,16 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("index 1 of attribute 0 is 4: the attribute has 1 values", [&](CbvhCage& c) {
     c.numAttributes = 1; c.attributes = &attribute;
   });
+  const CbvhGrid grid = {0, 2, 2, 2};
+  const float corner = 0;
+  const float* const steps[] = {&corner};
+  for (size_t stride : {size_t(1) << 33, size_t(1) << 62}) { // four such strides are 32 GiB, and 0 modulo 2^64
+    CbvhGrids grids = CbvhGrids();
+    grids.numGrids = 1;
+    grids.grids = &grid;
+    grids.vertices = {4, stride, steps, 1, 0, 0};
+    context.expect(cbvhSetSurfaceGrids(surface, &grids), CBVH_ERROR_INVALID_ARGUMENT, "16 GiB");
+  }
   context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");

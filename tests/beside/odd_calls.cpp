@@ -488,6 +488,23 @@ TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
   cbvhReleaseSurface(second);
 }
 
+TEST_F(OddCalls, FailedCommitOfAGroupAppliesNoMask)
+{
+  commit();
+  CbvhSurface empty = nullptr;
+  ASSERT_EQ(cbvhNewSurface(context, &empty), CBVH_OK);
+  const CbvhSurface both[] = {surface, empty};
+  CbvhGroup other = nullptr;
+  ASSERT_EQ(cbvhNewGroup(context, both, 2, &other), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
+  EXPECT_EQ(cbvhCommitGroup(other), CBVH_ERROR_INVALID_OPERATION);
+  EXPECT_TRUE(isSeen(group));
+  ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_FALSE(isSeen(group));
+  cbvhReleaseGroup(other);
+  cbvhReleaseSurface(empty);
+}
+
 TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
 {
   commit();

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <functional>
 #include <set>
 #include <thread>
 
@@ -423,6 +424,25 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   rtcCommitScene(scene);
   rtcSetGeometryMask(geometry, 3);
   refused(geometry, "changed since");
+  const std::vector<std::function<void()>> changes = {
+    [&] { rtcSetGeometryTessellationRate(geometry, 3); },
+    [&] {
+      const float* const old = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+      const std::vector<float> copy(old, old + 24);
+      void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8);
+      std::memcpy(vertices, copy.data(), 24*sizeof(float));
+    }};
+  for (const auto& change : changes) {
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    change();
+    refused(geometry, "changed since");
+  }
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  rtcSetGeometryUserData(geometry, &device);
+  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << "files do not contain user data";
+  std::remove((folder/"b").c_str());
   settings.compression = RTC_COMPRESSION_CLEAF;
   settings.rate = 300;
   OneGeometry high(device, newSurface(device, quadCage(), settings));

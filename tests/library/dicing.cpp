@@ -183,6 +183,20 @@ TEST(Dicing, MaxRateIsRespected)
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 2048.0f);
 }
 
+TEST(Dicing, TinyPixelsGiveTheHighestRate)
+{
+  Device device;
+  Surface surface(device, quadCage());
+  for (bool orthographic : {false, true})
+    for (float pixelSize : {1e-10f, 1e-20f, 1e-37f}) {
+      RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+      args.orthographic = orthographic;
+      args.pixelSize = pixelSize;
+      args.maxRate = 64;
+      for (float rate : surface.rates(args)) EXPECT_EQ(rate, 64) << orthographic << ", " << pixelSize;
+    }
+}
+
 TEST(Dicing, OrthographicCameraIgnoresDistance)
 {
   Device device;

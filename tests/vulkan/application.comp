@@ -11,7 +11,7 @@ struct Range { int a; };
 struct Vector { float x; };
 struct Real { float value; };
 struct WordsAt { uint a; };
-float morton, isInside, wordAt;
+float morton, isInside, wordAt, hitBox, hitLip;
 
 #define CBVH_LEAF_KINDS kinds
 layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
@@ -22,6 +22,7 @@ layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
 
 float minimum (float a) { return a; }
 const int maxLevel = 3;
+struct Wide { float value; };
 uint32_t referenceType (uint32_t a) { return a; }
 
 layout(local_size_x = 64) in;

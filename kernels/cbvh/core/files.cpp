@@ -41,7 +41,7 @@ namespace embree
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
           if (!blocks || !requestsCompression()) throwNotCompressed(geometry);
-          if (saved->state != unsigned(Geometry::State::COMMITTED))
+          if (saved->state != unsigned(Geometry::State::COMMITTED) || geometry->surface.isChanged())
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: it changed since its last commit");
         }

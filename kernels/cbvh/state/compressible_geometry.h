@@ -35,27 +35,29 @@ namespace embree
      *  Embree increments the geometry's modCounter_ for it, otherwise 0. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
 
-    /*! Records a change of the surface, or of the displacement function's arguments, that Embree may not count. */
+    /*! Records a change of the surface that Embree may not count. */
     void change () { changed = true; }
+    bool isChanged () const { return changed; }
+    void changeUserData () { userDataChanged = true; }
 
     /*! True if blocks remain valid, because only the visibility changed since the last commit. A commit without a
      *  detected change rebuilds blocks, because the displacement function may return other values, unless the input was
      *  released. */
     bool areBlocksValid (unsigned modCounter) const {
-      return (visibilityChanged || (inputReleased && blocks)) && !changed
+      return (visibilityChanged || (inputReleased && blocks)) && !changed && !userDataChanged
         && modCounter - committedModCounter == visibilityChanges;
     }
 
     /*! Ends a commit. Later changes are relative to it. */
     void commit (unsigned modCounter)
     {
-      visibilityChanged = changed = false;
+      visibilityChanged = changed = userDataChanged = false;
       visibilityChanges = 0;
       committedModCounter = modCounter;
     }
 
   private:
-    bool visibilityChanged = false, changed = false;
+    bool visibilityChanged = false, changed = false, userDataChanged = false;
     unsigned visibilityChanges = 0, committedModCounter = 0;
   };
 
@@ -78,7 +80,7 @@ namespace embree
       surface.changeVisibility(0);
       Geometry::setOcclusionFilterFunctionN(filter);
     }
-    void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
+    void setUserData (void* ptr) override { surface.changeUserData(); Geometry::setUserData(ptr); }
 
     /*! True if blocks are traced instead of Embree's representation. False for static cages, about which each scene
      *  decides (cbvh::hasCompressedGeometry). */

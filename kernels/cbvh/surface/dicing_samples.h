@@ -108,8 +108,8 @@ namespace embree
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
               // not finite, or contains the eye; neighboring cells are sufficient
-              if (!(u < maxSquared) || !(v < maxSquared)) continue;
-              sum[0] += u; sum[1] += v; count++;
+              if (!std::isfinite(u) || !std::isfinite(v)) continue;
+              sum[0] += min(u,maxSquared); sum[1] += min(v,maxSquared); count++;
             }
           if (!count) continue;
           const float u = float(std::sqrt(sum[0]/double(count))), v = float(std::sqrt(sum[1]/double(count)));

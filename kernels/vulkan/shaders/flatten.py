@@ -106,7 +106,8 @@ def with_prefix(text):
     """Adds a prefix to global names that do not have one."""
     code = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
     names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", code, flags=re.M)) - {"Type"}
-    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", code, flags=re.M))
+    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) *(?:\(|=|\[)", code, flags=re.M))
+    names |= set(re.findall(r"^#define (\w+)", code, flags=re.M))
     # several in one declaration
     for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", code, flags=re.M):
         names |= set(re.findall(r"(?:^|, )(\w+) =", declaration))
