@@ -66,7 +66,7 @@ bool parseOptions(Options& options, int argc, char** argv)
   if (options.output.empty())
     throw Error("invalid --output '': expected the name of a file");
   requireImageFormat(options.output);
-  requireFolders({{"--output", options.output}});
+  requireWritable({{"--output", options.output}});
   if (!app.count("--max-error"))
     options.maxError = options.cell / 128;
   if (!app.count("--start-height"))
@@ -85,8 +85,8 @@ void setCrop(Options& options, const Elevation& elevation)
     crop = {0, 0, elevation.width(), elevation.height()};
   if (crop[0] < 0 || crop[1] < 0 || crop[2] <= crop[0] || crop[3] <= crop[1] || crop[2] > elevation.width()
       || crop[3] > elevation.height())
-    throw Error("invalid --crop: expected a part of 0,0," + std::to_string(elevation.width()) + "," +
-                std::to_string(elevation.height()));
+    throw Error("invalid --crop '" + CLI::detail::join(crop) + "': expected a part of 0,0," +
+                std::to_string(elevation.width()) + "," + std::to_string(elevation.height()));
 }
 
 } // namespace cbvh
