@@ -10,7 +10,7 @@ namespace embree
 {
   [[noreturn]] inline void throwNotCompressed () {
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-        "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+        "the geometry has not been compressed: it asks for no compression, or its scene has not been committed");
   }
 
   /*! Blocks of a geometry, valid until its next commit. Throws RTC_ERROR_INVALID_OPERATION if it has none. */
