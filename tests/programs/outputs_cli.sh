@@ -141,8 +141,8 @@ fi
 program=$render
 for option in --save --export --json; do
   # shellcheck disable=SC2086
-  expect_refusal "${option#--} $folder: cannot be written: Is a directory" $quick --output "$folder/early" --scene cube \
-    "$option" "$folder"
+  expect_refusal "${option#--} $folder: cannot be written: Is a directory" $quick \
+    --output "$folder/early" --scene cube "$option" "$folder"
 done
 [ -z "$(ls -A "$folder/early")" ] || complain "rendered before the outputs were checked"
 program=$bench
