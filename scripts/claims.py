@@ -26,6 +26,7 @@ except ModuleNotFoundError as error:
     package = "install the package python3-matplotlib"
     raise SystemExit(f"claims.py: matplotlib is not installed for this Python: {package}") from error
 from reporting.formats import Table
+from script_arguments import existing_program
 
 ROOT = Path(__file__).resolve().parent.parent
 LEVELS = (4, 5, 6)
@@ -54,7 +55,8 @@ def run(options, model, folder, *words):
         path,
         *words,
     ]
-    subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
+    if subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL).returncode != 0:
+        raise SystemExit("claims.py: cbvh_render failed, see its message above")
     return {r["representation"]: r for r in json.loads(path.read_text(encoding="utf-8"))["results"]}
 
 
@@ -96,8 +98,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
         "--render",
-        type=Path,
-        default=ROOT / "build/release/tutorials/render/cbvh_render",
+        type=existing_program,
+        default=str(ROOT / "build/release/tutorials/render/cbvh_render"),
         metavar="PROGRAM",
         help="cbvh_render (default: build/release/tutorials/render/cbvh_render)",
     )

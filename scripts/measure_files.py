@@ -19,6 +19,8 @@ import subprocess
 import time
 from pathlib import Path
 
+from script_arguments import existing_program
+
 VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "768x768")}
 
 
@@ -95,7 +97,7 @@ def load(program, path, folder, processes, view):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", help="cbvh_render")
+    parser.add_argument("program", type=existing_program, help="cbvh_render")
     parser.add_argument("folder", type=Path, help="folder of the saved scene")
     parser.add_argument("--scene", default="trex", metavar="NAME", help="generated scene (default: trex)")
     parser.add_argument(

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy
 
 from mesh_files import MESHES, write_obj
+from script_arguments import existing_program
 
 MODES = {"default": "verbose", "lossless": "max_error=0,verbose"}  # settings of EMBREE_CBVH
 
@@ -111,7 +112,7 @@ def line_of(name, row):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path, help="cbvh_render")
+    parser.add_argument("program", type=existing_program, help="cbvh_render")
     parser.add_argument("folder", type=Path, help="folder of packages and meshes")
     parser.add_argument(
         "--only",

@@ -29,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import whole_file  # noqa: E402
 from measure_files import evict, mapping_of  # noqa: E402
 from reporting import scale  # noqa: E402
+from script_arguments import existing_program  # noqa: E402
 
 GIB = 2**30
 LEVELS = ("auto", "6", "7")
@@ -201,7 +202,7 @@ def measure_levels(program, folder, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", help="cbvh_render")
+    parser.add_argument("program", type=existing_program, help="cbvh_render")
     parser.add_argument("folder", type=Path, help="folder of the herd's file, records and pictures")
     parser.add_argument("--only", choices=("herd", "levels"), help="measure only one of the two (default: both)")
     parser.add_argument(

@@ -19,7 +19,7 @@ import textwrap
 from pathlib import Path
 
 import bench_records as records
-from benchmark import build_info
+from benchmark import Failure, build_info
 from reporting.formats import Table
 from reporting.records import as_table, rows_of_record
 
@@ -168,7 +168,12 @@ def main():
         "--front-only", action="store_true", help="write only the table and the headline of README.md"
     )
     options = parser.parse_args()
-    rows = rows_of(records.read(options.record) if options.record else measure(options.bench))
+    try:
+        rows = rows_of(records.read(options.record) if options.record else measure(options.bench))
+    except records.Damaged as error:
+        raise SystemExit(f"performance.py: {options.record}: {error}") from error
+    except Failure as error:
+        raise SystemExit(f"performance.py: {error}") from error
     if not options.front_only:
         write(PAGE, TABLE, lines_of(rows))
     write(README, TABLE, front_table(rows))

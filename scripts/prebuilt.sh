@@ -60,9 +60,11 @@ try_packages() {
   run_apt --no-remove satisfy "$needed" && starts || reject "$1" "$(reason)"
 }
 
+found=no
 for file in output/embree_cbvh-*_"$(uname -m)".whl \
   output/embree-cbvh-tools_*_"$(dpkg --print-architecture 2> /dev/null)".deb; do
   [ -e "$file" ] || continue
+  found=yes
   rm -rf "$folder"
   mkdir -p "$folder"
   case $file in
@@ -73,4 +75,5 @@ for file in output/embree_cbvh-*_"$(uname -m)".whl \
   exit
 done
 rm -rf "$folder"
+[ $found = yes ] || echo "output/ has no wheel and no Debian packages for this machine"
 exit 1

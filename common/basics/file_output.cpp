@@ -149,6 +149,20 @@ void PendingFile::commit()
   }
 }
 
+void requireWritable(const std::string& path)
+{
+  try
+  {
+    const OutputPath output(path);
+    if (output.kind != OutputPath::STREAM)
+      const UnfinishedFile probe(output);
+  }
+  catch (const std::system_error& e)
+  {
+    throw writeError(path, e.code().message());
+  }
+}
+
 void writeTextFile(const std::string& path, const std::string& text)
 {
   PendingFile file(path);

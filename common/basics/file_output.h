@@ -43,6 +43,9 @@ private:
   std::unique_ptr<Destination> destination;
 };
 
+/* Creates and removes a file next to `path`, unless it is a device or a pipe. Throws Error. */
+void requireWritable(const std::string& path);
+
 /* Throws Error. */
 void writeTextFile(const std::string& path, const std::string& text);
 

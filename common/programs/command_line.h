@@ -60,6 +60,19 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
       throw Error(text);
     throw Error(text.substr(0, at) + " is given " + text.substr(at + mark.size()) + " times: expected once");
   }
+  catch (const CLI::ConversionError& e)
+  {
+    /* CLI11's text: "Could not convert: --cell = x" */
+    const std::string text = e.what(), mark = "Could not convert: ", equals = " = ";
+    const size_t at = text.find(equals);
+    if (text.compare(0, mark.size(), mark) != 0 || at == std::string::npos)
+      throw Error(text);
+    const std::string name = text.substr(mark.size(), at - mark.size());
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    const bool isFlag = option && option->get_items_expected_max() == 0;
+    throw Error("invalid " + name + " '" + text.substr(at + equals.size()) + "': expected " +
+                (isFlag ? "no value" : "a number as in --help"));
+  }
   catch (const CLI::ExtrasError& e)
   {
     for (const std::string& word : app.remaining())
@@ -94,9 +107,9 @@ inline void addIsaOption(CLI::App& app, std::string& isa)
 }
 
 /* For options of unsigned numbers: without it, CLI11 reads -1 as the largest number. */
-inline CLI::Range countRange()
+inline CLI::Range countRange(int64_t least = 0)
 {
-  return CLI::Range(int64_t(0), int64_t(UINT32_MAX));
+  return CLI::Range(least, int64_t(UINT32_MAX));
 }
 
 inline void requireNotNegative(const std::string& option, float value)

@@ -36,7 +36,7 @@ struct ComparedScenes
     app.add_option("--level", level, "tessellation level L: each face has 2^L x 2^L quads")
       ->type_name("L")->capture_default_str();
     app.add_option("--repeat", repeat, "number of runs, whose median is reported")
-      ->type_name("N")->check(CLI::PositiveNumber)->capture_default_str();
+      ->type_name("N")->check(countRange(1))->capture_default_str();
     app.add_option_function<std::string>("--size", [this](const std::string& text) { size = parseImageSize(text); },
                                          "size of the picture whose rays are traced")
       ->type_name("WxH")->default_str("512x512");

@@ -3,6 +3,7 @@
 
 #include "programs/outputs.h"
 #include "basics/error.h"
+#include "basics/file_output.h"
 #include "basics/input_files.h"
 
 #include <filesystem>
@@ -62,6 +63,21 @@ void requireFolders(const std::vector<Output>& outputs)
       throw Error(output.option + " '" + output.path + "': there is no folder " + folder.string() +
                   ": expected an existing folder");
   }
+}
+
+void requireWritable(const std::vector<Output>& outputs)
+{
+  requireFolders(outputs);
+  for (const Output& output : outputs)
+    try
+    {
+      if (!output.path.empty())
+        requireWritable(output.path);
+    }
+    catch (const Error& e)
+    {
+      throw Error(output.option + " " + e.what());
+    }
 }
 
 } // namespace cbvh

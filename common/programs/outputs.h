@@ -22,4 +22,7 @@ void validateOutputs(const SceneSettings& model, const std::vector<Output>& outp
 /* Throws Error with the option if the folder of an output does not exist. */
 void requireFolders(const std::vector<Output>& outputs);
 
+/* The same for every output that cannot be written. To be called before long work. */
+void requireWritable(const std::vector<Output>& outputs);
+
 } // namespace cbvh

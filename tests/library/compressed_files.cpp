@@ -418,7 +418,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-  refused(geometry, "has not been compressed");
+  refused(geometry, "its scene has not been committed");
   Scene scene(device);
   attach(scene, geometry);
   rtcCommitScene(scene);

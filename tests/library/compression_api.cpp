@@ -249,6 +249,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
   expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "did you mean cbvh_max_error?", "cbvh_maxerror");
   expectNoDevice("cbvh_framelevel=2", "did you mean cbvh_frame_level?", "cbvh_framelevel");
   expectNoDevice("cbvh_fallback=1", "did you mean cbvh_fallback_faces?", "cbvh_fallback");
+  expectNoDevice("subdiv_accel=cbvh,max_error=0.001", "did you mean cbvh_max_error?", "max_error");
   expectNoDevice("cbvh=vert", "the device string", "cbvh");
   const std::string items[][2] = {{"maxerror=0.001", "did you mean max_error?"},
                                   {"error=0.001", "did you mean max_error?"},

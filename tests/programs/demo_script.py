@@ -122,6 +122,7 @@ class Demo(unittest.TestCase):
         output = self.run_demo()
         self.assertEqual(self.calls, ["cmake", "cmake"] + 4 * ["built"])
         self.assertNotIn("not used", output)
+        self.assertIn("output/ has no wheel", output)
         self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
 
     def test_wheel_of_these_sources(self):

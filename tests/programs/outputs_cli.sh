@@ -136,6 +136,19 @@ fi
 [ "$(sums)" = "$before" ] || complain "an input has changed"
 [ -z "$(parts)" ] || complain "parts are left: $(parts)"
 
+# --- outputs that cannot be written ----------------------------------------------------------
+
+program=$render
+for option in --save --export --json; do
+  # shellcheck disable=SC2086
+  expect_refusal "${option#--} $folder: cannot be written: Is a directory" $quick \
+    --output "$folder/early" --scene cube "$option" "$folder"
+done
+[ -z "$(ls -A "$folder/early")" ] || complain "rendered before the outputs were checked"
+program=$bench
+expect_refusal "json $folder: cannot be written: Is a directory" --scene cube --level 2 --size 16x16 --json "$folder"
+[ ! -s "$folder/stdout" ] || complain "measured before the output was checked"
+
 # --- limits on the size of files -----------------------------------------------------------
 
 # expect_limit KIBIBYTES ARGUMENT...: expects one line about a file that is too large, status 1, and no partial file

@@ -52,6 +52,8 @@ if command -v oiiotool >/dev/null; then
 fi
 refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
 refuses "unknown option --representaton, did you mean --representation" --scene cube --representaton grid
+refuses "amplitude 'x': expected a number" --scene cube --amplitude x
+refuses "exr 'x': expected no value" --scene cube --exr=x
 refuses "scene 'teapot'.*cube, frog" --scene teapot
 for option in --json --export --save; do
   refuses "${option#--} '$folder/missing/x': there is no folder $folder/missing" --scene cube "$option" \

@@ -637,6 +637,22 @@ class Report(unittest.TestCase):
                 self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
                 self.assertIn(f"python3-{module}", done.stderr)
 
+    def test_missing_program_or_record_is_reported_without_a_traceback(self):
+        missing = str(Path(self.temporary.name) / "missing")
+        for words in (
+            ["claims.py", "--render", missing],
+            ["measure_files.py", missing, self.temporary.name],
+            ["measure_meshes.py", missing, self.temporary.name],
+            ["measure_scale.py", missing, self.temporary.name],
+            ["performance.py", "--bench", missing],
+            ["performance.py", "--record", missing],
+        ):
+            command = [sys.executable, "-B", str(SCRIPT.with_name(words[0])), *words[1:]]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(missing, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
     def test_output_follows_links_and_devices_and_never_replaces_records(self):
         folder = Path(self.temporary.name) / "outputs"
         shutil.copytree(self.records, folder)

@@ -196,6 +196,7 @@ TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
   const std::pair<std::string, std::string> outputs[] = {{folder + "/missing/a.tif", "there is no folder"},
                                                          {folder + "/a.xyz", "cannot be written"},
+                                                         {folder, "cannot be written: Is a directory"},
                                                          {path, "would replace an input"},
                                                          {"''", "invalid --output ''"}};
   for (const auto& [output, text] : outputs)

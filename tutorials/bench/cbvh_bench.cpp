@@ -10,6 +10,7 @@
 #include "text.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
+#include "programs/outputs.h"
 #include "programs/run_program.h"
 
 #include <filesystem>
@@ -23,6 +24,7 @@ void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
   const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
   if (!folder.empty())
     cbvh::prepareOutputFolder(folder.string());
+  cbvh::requireWritable({{"--json", options.json}});
   cbvh::writeStandardOutput(cbvh::formatHead(options, machine));
 
   /* Rewritten after each group, so that a stopped run keeps its results. */

@@ -248,19 +248,19 @@ int run(int argc, char** argv)
   CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.",
                "cbvh_commits");
   app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
-    ->type_name("LIST")->delimiter(',')->check(CLI::PositiveNumber)->capture_default_str();
+    ->type_name("LIST")->delimiter(',')->check(countRange(1))->capture_default_str();
   app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")
     ->type_name("LIST")->delimiter(',')->capture_default_str();
   app.add_option("--shape", options.shape, "shape of a geometry: ball (6 faces), face, or sheet (64 x 64 faces)")
     ->type_name("SHAPE")->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
   app.add_option("--quads", options.quads, "approximate number of quads of all geometries together")
-    ->type_name("N")->capture_default_str();
+    ->type_name("N")->check(countRange(1))->capture_default_str();
   app.add_flag("--release-input", options.releaseInput,
                "release input buffers when a geometry is committed (compressed geometries only)");
   app.add_option("--repeat", options.repeat, "number of edits, masks and runs of rays, whose medians are reported")
-    ->type_name("N")->check(CLI::PositiveNumber)->capture_default_str();
+    ->type_name("N")->check(countRange(1))->capture_default_str();
   app.add_option("--rays", options.rays, "number of rays at random geometries")
-    ->type_name("N")->capture_default_str();
+    ->type_name("N")->check(countRange())->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
     return 0;
   std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) "

@@ -158,6 +158,8 @@ int run(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return 0;
   options.compared.validate();
+  for (const std::string& motion : options.motions)
+    validateMotion({motion, options.steps});
   if (options.staticSurface)
     std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else

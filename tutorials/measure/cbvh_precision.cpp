@@ -388,6 +388,9 @@ int run(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return 0;
   options.compared.validate();
+  for (int steps : options.steps)
+    if (steps > 1)
+      validateMotion({options.motion, steps});
   std::printf("| source | million quads | precision | Embree, bytes | cVERT | coherent | incoherent | any hit "
               "| build | moved, p99 | largest |\n"
               "|:--|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|\n");

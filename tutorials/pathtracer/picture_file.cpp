@@ -43,7 +43,7 @@ void validatePicturePath(const std::string& path)
 {
   if (!isExr(path) && std::filesystem::path(path).extension() != ".png")
     throw Error("invalid --output '" + path + "': expected a name that ends in .exr or .png");
-  requireFolders({{"--output", path}});
+  requireWritable({{"--output", path}});
 }
 
 Image toImage(ImageSize size, const std::vector<Vec3f>& pixels)

@@ -20,7 +20,7 @@ int run(int argc, char** argv)
   cbvh::installCancelHandler();
   cbvh::forceExitAfterCancel("cbvh_render");
   cbvh::prepareOutputFolder(options->output);
-  cbvh::requireFolders({{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
+  cbvh::requireWritable({{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
   if (!options->loadPath.empty())
   {
     cbvh::renderSavedScene(*options);

@@ -66,7 +66,7 @@ bool parseOptions(Options& options, int argc, char** argv)
   if (options.output.empty())
     throw Error("invalid --output '': expected the name of a file");
   requireImageFormat(options.output);
-  requireFolders({{"--output", options.output}});
+  requireWritable({{"--output", options.output}});
   if (!app.count("--max-error"))
     options.maxError = options.cell / 128;
   if (!app.count("--start-height"))

@@ -112,7 +112,10 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     parseView(o.view, {0, 1, 0}, o.size);
   validateOutputs(o.scene, {{"--output", o.output}});
   requireImageFormat(o.output);
-  requireFolders({{"--output", o.output}});
+  if (o.noWindow)
+    requireWritable({{"--output", o.output}});
+  else
+    requireFolders({{"--output", o.output}});
   return o;
 }
 

@@ -155,6 +155,7 @@ namespace embree
 
   std::string nearestDeviceKey (const std::string& name)
   {
+    if (isDeviceKey("cbvh_" + name)) return "cbvh_" + name; // EMBREE_CBVH has the key without the prefix
     std::vector<std::string> names;
     for (const Key& key : keys) names.push_back(key.name);
     return nearestName(name,names);

@@ -14,7 +14,7 @@ namespace embree
   {
     const char* const reason = geometry ? geometry->surface.rejectionReason : nullptr;
     const std::string why = reason && *reason ? std::string("its primitives ") + reason
-      : "it asks for no compression, or neither it nor its scene was committed";
+      : "it asks for no compression, or its scene has not been committed";
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: " + why);
   }
 
