@@ -7,8 +7,8 @@
 
 #include "interpolation_checks.h"
 #include "../base/environment.h"
-#include "../building/cage_memory.h"
 #include "../stored/surface_blocks.h"
+#include "../surface/cage_memory.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"
 #include "../surface/mesh_regions.h"

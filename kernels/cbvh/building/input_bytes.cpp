@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "input_bytes.h"
-#include "cage_memory.h"
+#include "../surface/cage_memory.h"
 
 namespace embree
 {
