@@ -43,6 +43,8 @@
  * the group: it may be traced while its surfaces are set, diced or committed. A function that changes a surface while
  * another change of the surface is in progress, for example from a callback, returns CBVH_ERROR_INVALID_OPERATION.
  *
+ * Filter functions and error functions must not throw exceptions.
+ *
  * The manual page of a function names the version since which the function is available.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
@@ -53,7 +55,7 @@
  *   larger struct than its own if all additional bytes are zero.
  * - When the library writes a struct, it writes the members that both versions have, and zeros all other bytes of the
  *   application's struct except structSize.
- * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
+ * - A structSize that is below the size in the first version, above 4096, or not a multiple of sizeof(size_t) is an
  *   error: CBVH_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
@@ -453,7 +455,7 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if a surface was never committed. The group is then unchanged.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT, once per commit of a surface, in three cases: a displacement function returned
+ * Returns CBVH_ERROR_INVALID_ARGUMENT, once per group and commit of a surface, in three cases: a displacement function returned
  * numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or faces at
  * their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces, or 63 at a
  * border, or fewer if these have more than 4 corners. The message names the surface ("geometry" and its index) and the

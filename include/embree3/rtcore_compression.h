@@ -5,8 +5,8 @@
 
 /* Compressed geometry.
  *
- * The library compresses four types of geometry when their scene is committed, and traces rays directly in the
- * compressed form:
+ * The library compresses four types of geometry when their scene is committed (with
+ * RTC_COMPRESSION_FLAG_RELEASE_INPUT: when they are committed), and traces rays directly in the compressed form:
  *
  * - Subdivision surfaces (RTC_GEOMETRY_TYPE_SUBDIVISION) are tessellated, displaced and compressed. Their vertices are
  *   not kept.
@@ -47,7 +47,7 @@
  *   larger struct than its own if all additional bytes are zero.
  * - When the library writes a struct, it writes the members that both versions have, and zeros all other bytes of the
  *   application's struct except structSize.
- * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
+ * - A structSize that is below the size in the first version, above 4096, or not a multiple of sizeof(size_t) is an
  *   error: RTC_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the
@@ -57,6 +57,10 @@
  * As in Embree, rtcGetDeviceError returns the error code of a function that fails, and the function that
  * rtcSetDeviceErrorFunction sets receives the message. If the object of a function is NULL, rtcGetDeviceError(NULL)
  * returns the code. All functions can also report RTC_ERROR_OUT_OF_MEMORY and RTC_ERROR_UNKNOWN.
+ *
+ * Thread safety: any thread may call any function, but while a function changes, fills or releases an object, no other
+ * thread may use the same object. A function that the application passes may run on several threads at the same time,
+ * unless its comment says otherwise. Like the functions that Embree calls, it must not throw exceptions.
  *
  * The manual page of a function names the version since which the function is available.
  *

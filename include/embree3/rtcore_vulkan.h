@@ -329,7 +329,8 @@ struct RTCVulkanTraceTimes
  *
  * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcFinishVulkanTrace.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a count that exceeds a limit. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and if rays are sorted, for a count above the limits above.
+ * RTC_ERROR_OUT_OF_MEMORY if the rays do not fit into the device's memory. */
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 

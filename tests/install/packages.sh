@@ -63,7 +63,7 @@ inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --
   > "$roots/log" 2>&1 ||
   { cat "$roots/log"; fail "cbvh_render does not run"; }
 inside python3 -c "import embree_cbvh as cbvh
-scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
+scene = cbvh.build(cbvh.Model.generate('cube'), 'cvert', 3)
 print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
   fail "the Python module does not build a scene"
 # CPack counts a library once more for each of its links.

@@ -63,7 +63,7 @@ run cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --out
   { cat "$work/output"; fail "cbvh_render does not run"; }
 [ -s "$work/pictures/cube_cvert.png" ] || { cat "$work/output"; fail "cbvh_render writes no picture"; }
 run python3 -B -c "import embree_cbvh as cbvh
-scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
+scene = cbvh.build(cbvh.Model.generate('cube'), 'cvert', 3)
 hits = scene.intersect([0, 0, 5], [0, 0, -1])
 assert hits.hit.all() and 0 < hits.t < 5, hits.t
 print('Python module', cbvh.__version__, cbvh.__file__, 'hits at', hits.t)" ||

@@ -14,7 +14,7 @@ from sheets import sheet
 class Errors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        model = cbvh.Model.scene("cube")
+        model = cbvh.Model.generate("cube")
         cls.grid, cls.voxel = cbvh.build(model, "grid", 5), cbvh.build(model, "cvoxel", 5)
         cls.camera = cls.grid.camera("full", (160, 120))
         cls.rays = cbvh.primary_rays(cls.camera)

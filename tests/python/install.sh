@@ -28,6 +28,6 @@ with open("/proc/self/maps", encoding="utf-8") as maps:
 assert embree_cbvh.__file__.startswith(prefix + "/lib/python3"), embree_cbvh.__file__
 assert embree_cbvh.__version__ == version, embree_cbvh.__version__
 assert len(libraries) == 1 and min(libraries).startswith(prefix + "/"), libraries
-assert embree_cbvh.build(embree_cbvh.Model.scene("cube"), "cvert", 3).statistics()["compression"]["quads"] == 6 * 64
+assert embree_cbvh.build(embree_cbvh.Model.generate("cube"), "cvert", 3).statistics()["compression"]["quads"] == 6 * 64
 print("runs on", *libraries)
 CODE

@@ -39,7 +39,7 @@ class Progress(unittest.TestCase):
         self.assertEqual(threads, {threading.get_ident()})
 
     def test_nothing_is_printed(self):
-        code = "import embree_cbvh as c; c.build(c.Model.scene('cube'), 'cvert', 4)"
+        code = "import embree_cbvh as c; c.build(c.Model.generate('cube'), 'cvert', 4)"
         done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, check=True)
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 

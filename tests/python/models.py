@@ -114,11 +114,11 @@ class Heights(unittest.TestCase):
 class Scenes(unittest.TestCase):
     def test_scenes_are_created_by_name(self):
         self.assertIn("trex", cbvh.scene_names())
-        cube = cbvh.Model.scene("cube")
+        cube = cbvh.Model.generate("cube")
         self.assertEqual(cube.name, "cube")
         self.assertTrue(cube.is_displaced)
         self.assertEqual(len(cube.cage.face_vertex_counts), 6)
-        flat, spiky = (cbvh.build(cbvh.Model.scene("cube", a), "grid", 4).bounds for a in (0.0, 0.2))
+        flat, spiky = (cbvh.build(cbvh.Model.generate("cube", a), "grid", 4).bounds for a in (0.0, 0.2))
         self.assertLess(flat[1, 0], spiky[1, 0])
 
     def test_invalid_options_are_reported_by_their_python_names(self):
@@ -127,7 +127,7 @@ class Scenes(unittest.TestCase):
                                     ("^count .*scene herd", "cube", {"count": 3}),
                                     ("^unknown mapping 'sphere'", "trex", {"mapping": "sphere"})):
             with self.subTest(text), self.assertRaisesRegex(cbvh.Error, text):
-                cbvh.Model.scene(name, **options)
+                cbvh.Model.generate(name, **options)
 
     def test_stopped_map_generation_leaves_no_file(self):
         def enough(phase, _):
@@ -136,20 +136,20 @@ class Scenes(unittest.TestCase):
 
         with tempfile.TemporaryDirectory() as folder:
             with self.assertRaises(LookupError):
-                cbvh.Model.scene("trex", map_folder=folder, progress=enough)
+                cbvh.Model.generate("trex", map_folder=folder, progress=enough)
             self.assertEqual(os.listdir(folder), [])
             code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
-                    "try: c.Model.scene('trex', progress=stop)\nexcept LookupError: pass")
+                    "try: c.Model.generate('trex', progress=stop)\nexcept LookupError: pass")
             subprocess.run([sys.executable, "-B", "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
                            check=True)
             self.assertEqual(os.listdir(folder), ["embree-cbvh"])
         with self.assertRaisesRegex(cbvh.Error, "/dev/null"):
-            cbvh.Model.scene("trex", map_folder="/dev/null/maps")
+            cbvh.Model.generate("trex", map_folder="/dev/null/maps")
 
 
 class Meshes(unittest.TestCase):
     def test_mesh_matches_grid(self):
-        model = cbvh.Model.scene("cube")
+        model = cbvh.Model.generate("cube")
         vertices, quads = model.tessellate(4)
         self.assertEqual(quads.shape, (model.num_quads(4), 4))
         self.assertEqual(vertices.shape, (6 * 17 * 17, 3))

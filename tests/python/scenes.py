@@ -78,23 +78,23 @@ class Motion(unittest.TestCase):
         scene = cbvh.build(rising_model(), "cvert", 4)
         hits = scene.intersect(*rays_from_above(), time=0.25)
         np.testing.assert_allclose(scene.triangles(hits, time=0.25)[..., 2], 0.125, atol=1e-5)
-        np.testing.assert_allclose(scene.tessellation(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
-        np.testing.assert_allclose(scene.tessellation()["vertices"][:, 2], 0, atol=1e-5)
+        np.testing.assert_allclose(scene.stored_mesh(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
+        np.testing.assert_allclose(scene.stored_mesh()["vertices"][:, 2], 0, atol=1e-5)
         for time in (-1, -0.1, 1.1, 1.5, np.nan):
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.triangles(hits, time=time)
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
-                scene.tessellation(time=time)
+                scene.stored_mesh(time=time)
 
     def test_models_report_their_steps(self):
         self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])
-        self.assertEqual(cbvh.Model.scene("cube", motion="turn", steps=3).steps, 3)
+        self.assertEqual(cbvh.Model.generate("cube", motion="turn", steps=3).steps, 3)
 
     def test_invalid_motion_is_rejected(self):
         with self.assertRaisesRegex(ValueError, r"poses: .*\(2, 35, 3\).*\(steps, 36, 3\)"):
             cbvh.Model(sheet(), poses=np.zeros((2, 35, 3)))
         with self.assertRaisesRegex(cbvh.Error, "unknown motion 'jump'"):
-            cbvh.Model.scene("cube", motion="jump")
+            cbvh.Model.generate("cube", motion="jump")
         with self.assertRaisesRegex(cbvh.Error, "NAIVE do not move"):
             cbvh.build(rising_model(), "naive", 3)
 
@@ -115,7 +115,7 @@ class Stored(unittest.TestCase):
 
     def test_tessellation_matches_the_surface(self):
         scene = cbvh.build(bumpy_model(), "cvert", 4)
-        mesh = scene.tessellation()
+        mesh = scene.stored_mesh()
         vertices, quads = mesh["vertices"], mesh["quads"]
         self.assertEqual(len(quads), scene.statistics()["quads"])
         self.assertEqual(sorted(set(mesh["primID"].tolist())), list(range(25)))
@@ -132,7 +132,7 @@ class Stored(unittest.TestCase):
         with self.assertRaisesRegex(cbvh.Error, "cLEAF.*cVERT"):
             scene.triangles(scene.intersect(*rays_from_above()))
         with self.assertRaisesRegex(cbvh.Error, "cLEAF.*cVERT"):
-            scene.tessellation()
+            scene.stored_mesh()
 
 
 class Rays(unittest.TestCase):
@@ -251,7 +251,7 @@ class Building(unittest.TestCase):
         self.assertEqual(blocks, [25, 100, 400])
 
     def test_fallback_faces_are_selected_by_name(self):
-        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name,
+        exact = lambda name: cbvh.build(cbvh.Model.generate("cube"), name,
                                         3).statistics()["compression"]["fallback_quads_share"]
         self.assertGreater(exact("cleaf"), 0)
         self.assertEqual(exact("cleaf-only"), 0)
@@ -310,7 +310,7 @@ class Cameras(unittest.TestCase):
         self.assertEqual(len(cbvh.coherent_rays(camera, 100)[0]), 128)
 
     def test_full_view_shows_everything(self):
-        scene = cbvh.build(cbvh.Model.scene("cube"), "grid", 4)
+        scene = cbvh.build(cbvh.Model.generate("cube"), "grid", 4)
         camera = scene.camera("full", (64, 48))
         hit = scene.intersect(*cbvh.primary_rays(camera)).hit
         self.assertTrue(hit.any())

@@ -42,7 +42,7 @@ def show(phase, fraction):
 # off the visible surface.
 
 # %%
-model = cbvh.Model.scene(SCENE, progress=show)
+model = cbvh.Model.generate(SCENE, progress=show)
 grid = cbvh.build(model, "grid", LEVELS[-1], progress=show)
 camera = grid.camera("full", SIZE)
 pixels = cbvh.primary_rays(camera)

@@ -315,7 +315,7 @@ void defineModel(py::module_& module)
     .def(py::init(&makeModel), py::arg("cage"), py::arg("height") = py::none(), py::arg("amplitude") = py::none(),
          py::kw_only(), py::arg("mid_level") = py::none(), py::arg("channel") = "", py::arg("repeat") = 1,
          py::arg("values") = "heights", py::arg("poses") = py::none(), makeText)
-    .def_static("scene", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
+    .def_static("generate", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
                 py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(),
                 py::arg("motion") = "", py::arg("steps") = py::none(),
                 py::arg("map_folder") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(), sceneText)
@@ -339,7 +339,7 @@ void defineModel(py::module_& module)
     });
   py::implicitly_convertible<Cage, Model>();
 
-  module.def("scene_names", [] { return sceneNames(); }, "Returns the names of the generated scenes, for Model.scene.");
+  module.def("scene_names", [] { return sceneNames(); }, "Returns the names of the generated scenes, for Model.generate.");
 }
 
 } // namespace cbvh::python

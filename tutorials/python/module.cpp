@@ -24,7 +24,7 @@ constexpr const char* moduleText =
     import embree_cbvh as cbvh
 
     cage = cbvh.Cage.load("body.obj")
-    model = cbvh.Model(cage, "skin.exr", amplitude=0.006)   # or Model.scene("trex")
+    model = cbvh.Model(cage, "skin.exr", amplitude=0.006)   # or Model.generate("trex")
     scene = cbvh.build(model, "cvert", level=6)
     camera = scene.camera("full", (800, 600))
     hits = scene.intersect(*cbvh.primary_rays(camera))      # hits.t, hits.Ng, ... of shape (600, 800)

@@ -335,7 +335,7 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
   return array;
 }
 
-py::dict tessellation(const Scene& scene, float time)
+py::dict storedMesh(const Scene& scene, float time)
 {
   requireTime(time);
   const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
@@ -437,7 +437,7 @@ time: time of the hits' rays, if the model moves.
 Vertices are in world units, NaN for a miss or if no triangle is stored. Only for cvert and cgrid; raises Error for
 other representations.)";
 
-constexpr const char* tessellationText = R"(Returns the whole stored surface as a dict of arrays.
+constexpr const char* storedMeshText = R"(Returns the whole stored surface as a dict of arrays.
 
 time: 0 to 1, for models that move.
 
@@ -509,7 +509,7 @@ void defineScene(py::module_& module)
     .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def("statistics", &statistics, statisticsText)
     .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
-    .def("tessellation", &tessellation, py::kw_only(), arg("time") = 0.0f, tessellationText)
+    .def("stored_mesh", &storedMesh, py::kw_only(), arg("time") = 0.0f, storedMeshText)
     .def("save", &save, arg("path"), saveText)
     .def("compare", &errorsOf, arg("hits"), arg("reference"), arg("pixel_size"), errorsText)
     .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("pixel_size"), py::kw_only(),

@@ -29,7 +29,7 @@ SIZE = (640, 480)
 # ## A hit, and its triangle
 
 # %%
-model = cbvh.Model.scene(SCENE)
+model = cbvh.Model.generate(SCENE)
 scene = cbvh.build(model, "cvert", LEVEL)
 camera = scene.camera("close", SIZE)
 origins, directions = cbvh.primary_rays(camera)
@@ -59,7 +59,7 @@ print(f"{np.count_nonzero(hits.hit)} hits, at most {np.nanmax(off):.2g} away fro
 # The stored quads, for an export or a bake: `vertices[quads]` contains the four corners of each quad.
 
 # %%
-mesh = scene.tessellation()
+mesh = scene.stored_mesh()
 print(f"{len(mesh['quads'])} quads of {mesh['primID'].max() + 1} faces, {len(mesh['vertices'])} vertices")
 
 # %%

@@ -39,7 +39,7 @@ namespace embree
     };
 
     /*! Upper bound of structSize. Larger values indicate uninitialized memory. */
-    const size_t maxStructSize = 1024;
+    const size_t maxStructSize = 4096;
 
     /*! Implementations of requireStruct, readStruct and writeStruct. */
     void checkStructSize (const StructInfo& info, const void* data);
