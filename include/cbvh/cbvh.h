@@ -455,11 +455,11 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if a surface was never committed. The group is then unchanged.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT, once per group and commit of a surface, in three cases: a displacement function returned
- * numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or faces at
- * their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces, or 63 at a
- * border, or fewer if these have more than 4 corners. The message names the surface ("geometry" and its index) and the
- * first face or grid, or the number of faces. The rest of the group is committed and can be traced. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT, once per group and commit of a surface, in three cases: a displacement function
+ * returned numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or
+ * faces at their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces, or 63 at
+ * a border, or fewer if these have more than 4 corners. The message names the surface ("geometry" and its index) and
+ * the first face or grid, or the number of faces. The rest of the group is committed and can be traced. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not

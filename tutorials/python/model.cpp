@@ -339,7 +339,8 @@ void defineModel(py::module_& module)
     });
   py::implicitly_convertible<Cage, Model>();
 
-  module.def("scene_names", [] { return sceneNames(); }, "Returns the names of the generated scenes, for Model.generate.");
+  module.def("scene_names", [] { return sceneNames(); },
+             "Returns the names of the generated scenes, for Model.generate.");
 }
 
 } // namespace cbvh::python
