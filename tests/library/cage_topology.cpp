@@ -331,8 +331,9 @@ TEST_P(CageTopology, FacesOfOppositeWindingShareVertices)
         addSurface(device, scene, cage, settings);
         rtcCommitScene(scene);
         ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-        if (rate > 0) // faces of different rates evaluate other vertices at their edge
+        if (rate > 0) { // faces of different rates evaluate other vertices at their edge
           EXPECT_LE(statisticsOf(scene).maxBorderMismatch, 1e-6f*std::max({size[0], size[1], size[2]}));
+        }
         for (int i = 0; i < 300; i++) {
           const RTCRayHit ray = makeRay({0, 0, 0}, {size[0]*float(random.uniform(-1, 1)),
             size[1]*float(random.uniform(-1, 1)), size[2]*float(random.uniform(-1, 1))});

@@ -149,7 +149,9 @@ TEST(CommitLine, ListsEachUncompressedGeometryOnce)
     ASSERT_EQ(linesOfFixed.size(), each);
     ASSERT_EQ(linesOfMoving.size(), each);
     ASSERT_EQ(linesOfBoth.size(), 1 - each);
-    if (each) EXPECT_NE(linesOfFixed, linesOfMoving) << "the line of its own sort lists a geometry";
+    if (each) {
+      EXPECT_NE(linesOfFixed, linesOfMoving) << "the line of its own sort lists a geometry";
+    }
   }
 }
 
