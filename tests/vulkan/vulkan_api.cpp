@@ -86,7 +86,7 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
   RTCVulkanDeviceHandles handles = RTCVulkanDeviceHandles();
   EXPECT_EQ(info.structSize, sizeof(info));
   EXPECT_EQ(handles.structSize, sizeof(handles));
-  for (size_t wrong : {size_t(0), size_t(8), sizeof(handles) - 1, sizeof(handles) + 1, size_t(1032), ~size_t(0)}) {
+  for (size_t wrong : {size_t(0), size_t(8), sizeof(handles) - 1, sizeof(handles) + 1, size_t(4104), ~size_t(0)}) {
     info.structSize = handles.structSize = wrong;
     EXPECT_EQ(rtcGetVulkanDevices(embree, &info, 1), 0u);
     expectWrong("RTCVulkanDeviceInfo", wrong);
