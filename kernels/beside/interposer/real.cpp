@@ -37,10 +37,10 @@ void* findReal(const char* name)
   return function;
 }
 
-/* True if REAL finds Embree 4's functions. A program on Embree 3 may have a plugin with an Embree 4 of its own. */
+/* True if REAL finds Embree 4's functions. */
 static bool isRealEmbree4()
 {
-  /* Embree 4 has rtcInvokeIntersectFilterFromGeometry, but Embree 3 does not. */
+  /* Compares the libraries, because a program on Embree 3 may have a plugin with an Embree 4 of its own. */
   const void* const intersect = findFunction("rtcIntersect1");
   const void* const onlyIn4 = findFunction("rtcInvokeIntersectFilterFromGeometry");
   Dl_info real, embree4;

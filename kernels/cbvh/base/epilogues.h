@@ -68,7 +68,7 @@ namespace embree
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! False if nothing reads u, v and Ng of a hit: any-hit queries pass them to filter functions only. */
+      /*! False if nothing reads u, v, t and Ng of a hit: any-hit queries pass them to filter functions only. */
       template<typename Rays>
       __forceinline bool needsHitData (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A static block is checked before its first use (base/block_validity.h), so
- * that unused ones are never read from disk. Decoders and traversal access only a valid block and fileReadPadding bytes
- * after it, and its hits report existing primitives. */
+/* Blocks of a geometry in a mapped file. Static blocks are checked before their first use (base/block_validity.h), so
+ * that unused ones are never read from disk, moving ones when the geometry is loaded. Decoding and tracing a valid
+ * block reads only the block and fileReadPadding bytes after it, and its hits report existing primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec_names.h"
@@ -65,7 +65,7 @@ namespace embree
       Device* device;
       std::shared_ptr<const cvert::File> file;
       char* const begin;
-      const cvert::FileGeometry record; //!< a copy, because the file may change
+      const cvert::FileGeometry record; //!< a copy: stays as it was checked even if the file is overwritten
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;

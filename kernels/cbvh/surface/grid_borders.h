@@ -63,8 +63,8 @@ namespace embree
       /*! Exponent of the spacing of a grid's lattice. */
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! Returns a vertex on a grid's border, the same for all grids unless it is not finite. vertex: index in the
-       *  buffer. own: exponent of the grid's lattice, for vertices that are not shared. */
+      /*! Returns a vertex on a grid's border, the same for all grids if it is finite at this and the first step.
+       *  vertex: index in the buffer. own: exponent of the grid's lattice, for vertices that are not shared. */
       SharedVertex sharedVertex (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);

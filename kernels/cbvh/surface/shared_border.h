@@ -44,12 +44,12 @@ namespace embree
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! Encodes a claim (part 1 of the rule) as an integer. rate: of the edge, less than 2^31; 0 for a corner, whose
-     *  owner is independent of rates. number: unique among the claims. */
+    /*! Encodes a claim (part 1 of the rule) as an integer. rate: the claiming primitive's own rate along the edge, less
+     *  than 2^31; 0 for a corner, whose owner is independent of rates. number: unique among the claims. */
     inline uint64_t claimOf (unsigned rate, uint32_t number) { return uint64_t(rate) << 32 | number; }
 
-    /*! First, and nearest, vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves
-     *  to vertex k of an edge of rate `coarse`. */
+    /*! Returns the first vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves
+     *  to vertex k of an edge of rate `coarse`. It is also the vertex nearest to k. */
     inline unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) {
       return (2*k*fine + coarse-1)/(2*coarse);
     }
@@ -58,10 +58,10 @@ namespace embree
      *  rate. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-    /*! Replaces a part's vertices on the border of a patch of quadsX x quadsY quads by the shared vertices, rounded to
-     *  their lattices. Adds to the statistics how far these moved, and how far the owner's positions differ. own:
-     *  vertices as the primitive evaluates them. stored: receives only border vertices; another array, because corners
-     *  are read twice. Both contain the part row by row. Patch: see source.h. */
+    /*! Writes the border vertices of a part, in a patch of quadsX x quadsY quads, to `stored`: the shared vertices,
+     *  rounded to their lattices. Adds to the statistics how far rounding moved them, and how far they were from `own`,
+     *  the vertices as the primitive evaluates them. `stored` must be another array than `own`, because corners are
+     *  read twice; its other vertices are unchanged. Both contain the part row by row. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Intersector of cVERT blocks for packets. Interval arithmetic over the rays of a class (VertRays::rayClass) culls
- * boxes of groups. The others, and triangles unless few rays reach them, are tested with one ray per lane. */
+ * boxes of groups. The remaining boxes are tested with one ray per lane, and so are triangles that many rays reach. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -28,8 +28,8 @@ namespace embree
         }
 
       private:
-        /*! Up to this number, rays test a group's triangles one by one, with quads in lanes; more rays together, with
-         *  rays in lanes. */
+        /*! Up to this number of rays, each tests a group's triangles separately, with quads in lanes. More rays test
+         *  them together, with rays in lanes. */
         static const size_t maxSeparateRays = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
@@ -63,7 +63,7 @@ namespace embree
         /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds over all rays. */
         struct Axis
         {
-          vfloat<K> org, rcp, slack;
+          vfloat<K> org, rcp, slack; //!< slack: in ray distances, `error` (the offset of planes) times |rcp|
           float orgLow, orgHigh, rcpLow, rcpHigh, slackHigh;
           bool isNegative;
 
