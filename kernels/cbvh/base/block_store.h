@@ -4,8 +4,8 @@
 #pragma once
 
 /* Collects the blocks that a task of a build writes, in a buffer. flush() copies them to the memory of the surface, and
- * adds a primitive for each: an Embree PrimRef with the block's bounds and its leaf reference, from which the top-level
- * tree is built. A store is used by one thread. */
+ * adds a primitive for each: an Embree PrimRef with the block's bounds and its leaf reference, from which the surface's
+ * tree is built (building/surface_builder.h). A store is used by one thread. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -36,7 +36,7 @@ namespace embree
       /*! Bounds of all that rays can hit in the blocks. Writers extend it; commit() and addPrimitive() do not. */
       cbvh::WorldBounds hitBounds;
 
-      /*! memory: memory of the surface, or null for a trial, after which flush() must not be called. */
+      /*! memory: memory of the surface. Null if the blocks will be discarded; flush() must then not be called. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
@@ -81,7 +81,7 @@ namespace embree
       }
 
       /*! Adds a primitive that is not in the buffer, before the primitives of buffered blocks: call flush() first to
-       *  keep the order of patches. reference: a leaf of the top-level tree (BVH4::NodeRef). */
+       *  keep the order of patches. reference: a leaf of the surface's tree (BVH4::NodeRef). */
       void addPrimitive (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;

@@ -52,10 +52,10 @@ namespace embree
           if (!isMovingBlock(type) && !isBlockValid(block,format))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: the file that it was loaded from has a damaged block");
-          return to.append(childOf(type),block,bytesOfBlock(block,format),offsetOfSurface(format));
+          return to.append(fileTypeOf(type),block,bytesOfBlock(block,format),offsetOfSurface(format));
         }
 
-        static FileChild childOf (size_t type)
+        static FileChild fileTypeOf (size_t type)
         {
           switch (type) {
           case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;

@@ -115,7 +115,7 @@ namespace embree
         }
       }
 
-      /* Topology of border_lattices.h. Elements are entries of the table. */
+      /* Topology of border_lattices.h. Elements are entries of the table, which forEachShared() fills. */
 
       double spacingPerEdge () const { return Grids::spacingPerEdge(); }
 

@@ -8,8 +8,8 @@
  * The primitives of a geometry, faces or grids, share edges and corners. Each evaluates its own vertices there, on its
  * own lattice, so rays would pass between them. Therefore all primitives store the same floats there:
  *
- * 1. Owner. The primitive with the smallest claim owns a shared edge or corner: first the fewest vertices along the
- *    edge, then the lowest number. All primitives use the owner's positions.
+ * 1. Owner. Each primitive at a shared edge or corner has a claim (claimOf): its rate along the edge, 0 at a corner,
+ *    then a unique number. The primitive with the smallest claim is the owner. All primitives use its positions.
  * 2. Rate. An edge has the lowest rate of its primitives. A primitive with more vertices is stitched to it: each of its
  *    vertices moves to a vertex of the edge.
  * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
@@ -37,7 +37,7 @@ namespace embree
     /*! A border vertex before it is rounded to its lattice. */
     struct SharedVertex
     {
-      float position[3]; //!< the owner's
+      float position[3]; //!< the owner's position; for grids the common position, or a point on a stored edge
       int exponent;      //!< exponent of its lattice, or losslessExponent
 
       SharedVertex () {}

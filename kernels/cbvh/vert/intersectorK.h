@@ -60,7 +60,7 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds over all rays. */
+        /*! Components of rays on one axis of the boxes, with one sign of the direction, and bounds over the class. */
         struct Axis
         {
           vfloat<K> org, rcp, slack; //!< slack: in ray distances, `error` (the offset of planes) times |rcp|

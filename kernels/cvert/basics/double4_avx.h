@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in an AVX register: the reference for the other variants of double4.h. */
+/* Four doubles in an AVX register. The comments here document the functions of all variants of double4.h. */
 
 #include "lanes.h"
 
