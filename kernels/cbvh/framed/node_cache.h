@@ -48,7 +48,8 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! Returns the tile's entry. If its `block` or `number` differs, the caller must decode the tile into it. */
+      /*! Returns the tile's entry. If its `block` or `number` differs, the caller must decode the tile into it and set
+       *  both. */
       __forceinline Tile& tile (const void* block, uint32_t number) {
         return tiles[hashOfTile(block,number) % numTiles];
       }

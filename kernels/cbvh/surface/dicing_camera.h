@@ -25,7 +25,7 @@ namespace embree
     /*! Quads outside of the picture and behind the camera are larger by up to this factor. At least 1. */
     float outsideFactor = 8;
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
-    const float* maxRates = nullptr;   //!< one per index of the cage, at least 1, or null
+    const float* maxRates = nullptr;   //!< one per index of the cage, at least 1; null: maxRate only
   };
 
   /*! args: struct of a public interface with members of the same names. The result keeps its pointers. */
