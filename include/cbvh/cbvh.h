@@ -274,9 +274,10 @@ struct CbvhAccuracy
 {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
   float maxError;                   /* in units of the vertices: largest spacing of the lattice. A vertex moves by at
-                                     * most half a spacing on each axis, which is 0.866 spacings in space. 0: the bound
-                                     * that the settings of the context select, where 0 is lossless, or else the default
-                                     * above */
+                                     * most half a spacing on each axis, which is 0.866 spacings in space. If it lies
+                                     * on an edge of a coarser grid, it moves with that edge, by at most maxError. 0:
+                                     * the bound that the settings of the context select, where 0 is lossless, or else
+                                     * the default above */
   float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
                                      * smaller one holds */
   float cameraPosition[3];          /* in the space of the vertices */

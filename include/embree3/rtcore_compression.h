@@ -152,9 +152,10 @@ struct RTCCompressionArguments
    *
    * cVERT: largest spacing of the lattice to which vertices are rounded. Spacings are powers of 2. A vertex moves by
    * at most half a spacing on each axis, which is 0.866 spacings in space. It does not move on an axis on which floats
-   * are coarser than the lattice. 0 is lossless: the library stores the exact vertices of grids and meshes, and of
-   * subdivision surfaces those that Embree evaluates. By default the spacing is at most 1/36 of the median edge of the
-   * quads of a face, 1/512 of the median edge of a grid, and 1/2048 for quad and triangle meshes.
+   * are coarser than the lattice. A vertex that lies on an edge of a coarser grid moves with that edge instead, but by
+   * at most maxError. 0 is lossless: the library stores the exact vertices of grids and meshes, and of subdivision
+   * surfaces those that Embree evaluates. By default the spacing is at most 1/36 of the median edge of the quads of a
+   * face, 1/512 of the median edge of a grid, and 1/2048 for quad and triangle meshes.
    *
    * cVOXEL, cLEAF: upper bound of the thickness of leaves. If frameLevel is AUTO, faces are split into finer frames
    * until their leaves keep the bound or a block has one quad. 0 is no bound. cGRID ignores this. */

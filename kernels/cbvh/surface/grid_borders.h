@@ -28,7 +28,8 @@ namespace embree
 
       GridBorders (const typename Grids::Mesh* mesh, const CompressionPlan& plan)
         : grids(mesh), plan(plan), lattices(mesh->device,plan), table(mesh->device),
-          stitched(mesh->device,*this,table,lattices,plan.numTimeSteps) {}
+          stitched(mesh->device,*this,table,lattices,plan.numTimeSteps,
+                   plan.settings.maxError > 0 ? plan.settings.maxError : INFINITY) {}
       GridBorders (const GridBorders&) = delete;
 
       size_t size () const { return grids.size(); }
@@ -63,33 +64,29 @@ namespace embree
       /*! Exponent of the spacing of a grid's lattice. */
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! Returns a vertex on a grid's border, the same for all grids if it is finite at this and the first step.
+      /*! Returns a vertex on a grid's border, the same for all grids if it is finite at this step.
        *  vertex: index in the buffer. own: exponent of the grid's lattice, for vertices that are not shared. */
       SharedVertex sharedVertex (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
-        if (table.isEmpty() || !cbvh::isFinite(p) || !cbvh::isFinite(position(vertex))) return SharedVertex(p,own);
+        if (table.isEmpty() || !cbvh::isFinite(p)) return SharedVertex(p,own);
         const Entry entry = table.find(*this,vertex);
         if (!table.isMarked(entry)) return SharedVertex(p,lattices.ofShared(entry,step));
-        const cbvh::Double3 d = stitched.stored(entry,step);
-        const float stored[3] = { float(d.x),float(d.y),float(d.z) };
-        return SharedVertex(stored,cbvh::losslessExponent);
+        return SharedVertex(p,stitched.stored(entry,step));
       }
 
       /*! See StoredBorders. Only for meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
-        const SharedVertex v = sharedVertex(vertex,cbvh::losslessExponent,0);
-        const cbvh::WorldLattice common(v.exponent);
-        for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
+        memcpy(out,sharedVertex(vertex,cbvh::losslessExponent,0).stored,3*sizeof(float));
         return true;
       }
 
       /*! For PositionTable. Two NaNs count as equal. */
-      bool areEqualAtOtherSteps (size_t a, size_t b) const
+      bool areEqual (size_t a, size_t b) const
       {
-        for (unsigned step=1; step<plan.numTimeSteps; step++) {
+        for (unsigned step=0; step<plan.numTimeSteps; step++) {
           const float* p = position(a,step), * q = position(b,step);
           for (int k=0; k<3; k++)
             if (!(p[k] == q[k] || (std::isnan(p[k]) && std::isnan(q[k])))) return false;
@@ -150,9 +147,7 @@ namespace embree
       void forEachShared (size_t i, const Closure& closure)
       {
         if (!isValid(i)) return;
-        forEachBorderVertex((*this)[i],[&](size_t vertex) {
-            if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex));
-          });
+        forEachBorderVertex((*this)[i],[&](size_t vertex) { closure(table.add(*this,vertex)); });
       }
 
     private:

@@ -4,19 +4,19 @@
 #pragma once
 
 /* Hash table of vertices by position, with open addressing. Vertices that are equal floats at all time steps have one
- * entry. */
+ * entry. Two NaNs count as equal, because a vertex can be NaN at some steps only. */
 
 #include "../base/codec_names.h"
 #include "../base/atomic_ref.h"
 #include "../embree/scene.h"
+#include <cmath>
 #include <functional>
 
 namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), at the first time step, and areEqualAtOtherSteps(a,b), called for vertices that
-     *  are equal there. */
+    /*! Positions: has position(vertex), at the first time step, and areEqual(a,b), for all steps. */
     template<typename Positions>
     class PositionTable
     {
@@ -44,17 +44,17 @@ namespace embree
       bool isEmpty () const { return slots.empty(); }
       size_t size () const { return slots.size(); } //!< upper bound of entries
 
-      /*! Returns the entry of a finite vertex, and adds it if there is none. Thread-safe. */
+      /*! Returns the entry of a vertex, and adds it if there is none. Thread-safe. */
       Entry add (const Positions& positions, size_t vertex)
       {
-        const float* p = positions.position(vertex);
-        const uint64_t h = hashOf(p), added = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
+        const uint64_t h = hashOf(positions.position(vertex));
+        const uint64_t added = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
         for (size_t at=h & mask(); ; at=(at+1) & mask())
         {
           const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
           if (found == 0 && slot.compareExchange(found,added,std::memory_order_relaxed)) return Entry(at);
-          if (!isSame(positions,found,vertex,p,h)) continue;
+          if (!isSame(positions,found,vertex,h)) continue;
           if (!(found & sharedBit)) slot.fetchOr(sharedBit,std::memory_order_relaxed);
           return Entry(at);
         }
@@ -63,10 +63,9 @@ namespace embree
       /*! Returns `none` if there is no entry. Requires reserve(). Must not be called while threads add vertices. */
       Entry find (const Positions& positions, size_t vertex) const
       {
-        const float* p = positions.position(vertex);
-        const uint64_t h = hashOf(p);
+        const uint64_t h = hashOf(positions.position(vertex));
         for (size_t at=h & mask(); slots[at]; at=(at+1) & mask())
-          if (isSame(positions,slots[at],vertex,p,h)) return Entry(at);
+          if (isSame(positions,slots[at],vertex,h)) return Entry(at);
         return none;
       }
 
@@ -103,7 +102,7 @@ namespace embree
       {
         uint64_t h = 0;
         for (int k=0; k<3; k++) {
-          const float x = p[k] + 0.0f; // makes both zeros equal
+          const float x = std::isnan(p[k]) ? NAN : p[k] + 0.0f; // makes both zeros equal, and all NaNs
           uint32_t bits;
           memcpy(&bits,&x,sizeof(bits));
           h = (h ^ bits)*0x9E3779B97F4A7C15ull;
@@ -112,13 +111,11 @@ namespace embree
         return h;
       }
 
-      static bool isSame (const Positions& positions, uint64_t slot, size_t vertex, const float p[3], uint64_t hash)
+      static bool isSame (const Positions& positions, uint64_t slot, size_t vertex, uint64_t hash)
       {
         if (((slot ^ hash) >> tagShift) != 0) return false;
         const size_t other = size_t(slot & indexBits);
-        if (other == vertex) return true;
-        const float* q = positions.position(other);
-        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] && positions.areEqualAtOtherSteps(vertex,other);
+        return other == vertex || positions.areEqual(vertex,other);
       }
 
       mvector<uint64_t> slots;

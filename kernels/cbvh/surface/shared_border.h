@@ -15,7 +15,8 @@
  * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
  *    these lattices, because they are nested.
  * 4. Vertices on an edge. If an application moved vertices of a fine grid onto the edges of a coarse one, they are
- *    stored on the stored edges, and on no lattice (stitched_vertices.h).
+ *    stored on the stored edges, and on no lattice, unless that moves them farther than max_error
+ *    (stitched_vertices.h).
  * 5. Values that are not finite. A primitive uses its own vertex if its own or the owner's position is not finite. So
  *    such a value only removes quads of the primitive that evaluates it.
  * 6. Time. Owners, rates and the choice of shared vertices are the same at all time steps. Positions and lattices are
@@ -34,14 +35,25 @@ namespace embree
 {
   namespace isa
   {
-    /*! A border vertex before it is rounded to its lattice. */
     struct SharedVertex
     {
-      float position[3]; //!< the owner's position; for grids the common position, or a point on a stored edge
+      float position[3]; //!< the owner's position; for grids the common position
+      float stored[3];   //!< where all primitives store it
       int exponent;      //!< exponent of its lattice, or losslessExponent
 
       SharedVertex () {}
-      SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
+
+      /*! Rounds p to a lattice. */
+      SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent)
+      {
+        const cbvh::WorldLattice lattice(exponent);
+        for (int k=0; k<3; k++) stored[k] = lattice.snap(p[k]);
+      }
+
+      /*! A vertex that is stored at a point of a stored edge. */
+      SharedVertex (const float p[3], const cbvh::Double3& point)
+        : position{ p[0],p[1],p[2] }, stored{ float(point.x),float(point.y),float(point.z) },
+          exponent(cbvh::losslessExponent) {}
     };
 
     /*! Encodes a claim (part 1 of the rule) as an integer. rate: the claiming primitive's own rate along the edge, less
@@ -58,10 +70,10 @@ namespace embree
      *  rate. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-    /*! Writes the border vertices of a part, in a patch of quadsX x quadsY quads, to `stored`: the shared vertices,
-     *  rounded to their lattices. Adds to the statistics how far rounding moved them, and how far they were from `own`,
-     *  the vertices as the primitive evaluates them. `stored` must be another array than `own`, because corners are
-     *  read twice; its other vertices are unchanged. Both contain the part row by row. Patch: see source.h. */
+    /*! Writes the border vertices of a part, in a patch of quadsX x quadsY quads, to `stored`. Adds to the statistics
+     *  how far shared vertices were moved, and how far they were from `own`, the vertices as the primitive evaluates
+     *  them. `stored` must be another array than `own`, because corners are read twice; its other vertices are
+     *  unchanged. Both contain the part row by row. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)
@@ -78,14 +90,12 @@ namespace embree
         for (unsigned i=begin; i<=end; i++)
         {
           const unsigned c = i == fine ? side.rate : cbvh::stitchedVertex(i,fine,side.rate);
-          const SharedVertex v = side[s < 2 ? c : side.rate-c];
+          SharedVertex v = side[s < 2 ? c : side.rate-c];
           const size_t vertex = alongU ? (at-part.y0)*width + (i-part.x0) : (i-part.y0)*width + (at-part.x0);
-          const cbvh::WorldLattice common(v.exponent);
           const float* evaluated = own[vertex];
-          const float* position = cbvh::isFinite(v.position) && cbvh::isFinite(evaluated) ? v.position : evaluated;
-          const float snapped[3] = { common.snap(position[0]),common.snap(position[1]),common.snap(position[2]) };
-          statistics.addBorderVertex(evaluated,position,snapped);
-          memcpy(stored[vertex],snapped,sizeof(snapped));
+          if (!cbvh::isFinite(v.position) || !cbvh::isFinite(evaluated)) v = SharedVertex(evaluated,v.exponent);
+          statistics.addBorderVertex(evaluated,v.position,v.stored);
+          memcpy(stored[vertex],v.stored,sizeof(v.stored));
         }
       }
     }

@@ -11,7 +11,8 @@
  *
  * An open edge occurs only once on the borders of all grids. If other open edges lie on an open edge from p to q with
  * shared ends, and lead from p to q, the vertices between are stored on the edge between the stored p and q. They must
- * lie on it at all time steps, except for the application's rounding. */
+ * lie on it at all time steps, except for the application's rounding. If that is large compared with max_error, this
+ * would move a vertex farther than max_error; then it is rounded to its lattice, and the gap remains. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -33,9 +34,11 @@ namespace embree
     public:
       typedef typename Table::Entry Entry;
 
+      /*! maxError: bound on how far a vertex may move; infinity if there is none. */
       StitchedVertices (Device* device, const Positions& positions, Table& table, const BorderLattices& lattices,
-                        unsigned numSteps)
-        : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
+                        unsigned numSteps, double maxError)
+        : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps),
+          maxError(maxError) {}
 
       /*! Finds stitched vertices, and marks their entries in the table. */
       template<typename Progress>
@@ -61,14 +64,18 @@ namespace embree
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
-        if (!table.isMarked(entry) || depth == 8) {
-          const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
-          return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
+        if (table.isMarked(entry) && depth < 8)
+        {
+          auto vertexBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
+          const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,vertexBefore)->edge;
+          const cbvh::Double3 a = stored(edge.begin,step,depth+1);
+          const cbvh::Double3 q = // same parameter at all steps
+            a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a);
+          const cbvh::Double3 rounded = { float(q.x),float(q.y),float(q.z) };
+          if (cbvh::length(rounded-p) <= maxError) return q;
         }
-        auto vertexBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
-        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,vertexBefore)->edge;
-        const cbvh::Double3 a = stored(edge.begin,step,depth+1);
-        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // same parameter at all steps
+        const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
+        return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
       }
 
     private:
@@ -211,6 +218,7 @@ namespace embree
       Table& table;
       const BorderLattices& lattices;
       const unsigned numSteps;
+      const double maxError;
       std::vector<Stitched> stitched; //!< sorted by vertex
     };
   }
