@@ -379,7 +379,7 @@ TEST(GridSurfaces, StitchedVerticesKeepMaxError)
     }
 }
 
-// Grids of different sizes share border vertices, one of which is NaN at the first step.
+// Grids of different sizes share border vertices. One of them is NaN at the first step.
 TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep)
 {
   Device device;
