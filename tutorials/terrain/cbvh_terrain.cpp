@@ -92,7 +92,7 @@ private:
 template<typename Terrain>
 void build(const Options& options, Elevation& elevation, Terrain& terrain)
 {
-  Phase phase("compressing tiles");
+  Phase phase("building tiles");
   for (int y0 = 0; y0 < elevation.height() - 1; y0 += options.tile)
     for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile)
     {
