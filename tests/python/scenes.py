@@ -85,6 +85,9 @@ class Motion(unittest.TestCase):
                 scene.triangles(hits, time=time)
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.stored_mesh(time=time)
+            for trace in (scene.intersect, scene.occluded, scene.trace_seconds):
+                with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+                    trace([0, 0, 1], [0, 0, -1], time=[0.5, time])
 
     def test_models_report_their_steps(self):
         self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])

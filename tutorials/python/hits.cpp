@@ -5,6 +5,7 @@
 
 #include "measure/hit_metrics.h"
 
+#include <algorithm>
 #include <memory>
 #include <type_traits>
 
@@ -85,6 +86,7 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
 {
   const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
   const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar"), m = floats(time, "time");
+  std::for_each(m.data(), m.data() + m.size(), requireTime);
   const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f),
                            shapeOf(m)};
   Rays result;
@@ -120,6 +122,12 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
 Rays readRays(const py::object& origins, const py::object& directions)
 {
   return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY), py::float_(0.0));
+}
+
+void requireTime(float time)
+{
+  if (!(time >= 0.0f && time <= 1.0f))
+    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
 }
 
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)

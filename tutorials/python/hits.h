@@ -30,6 +30,9 @@ struct Hits
   size_t facesPerCopy = 0, faces = 0; // of the model
 };
 
+/* Raises ValueError unless the time is from 0 to 1. */
+void requireTime(float time);
+
 /* Raises ValueError unless there are `rays` hits, as many as rays in the arguments `others`. */
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others);
 

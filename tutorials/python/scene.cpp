@@ -312,12 +312,6 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- stored surface --------------------------------------------------------------- */
 
-void requireTime(float time)
-{
-  if (!(time >= 0.0f && time <= 1.0f))
-    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
-}
-
 py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 {
   requireHitsOf(scene, hits, "hits");
@@ -392,7 +386,7 @@ constexpr const char* intersectText = R"(Finds the closest hit of each ray and r
 origins: (..., 3), world units.
 directions: (..., 3), of any length; distances are multiples of the length.
 tnear, tfar: (...), range of distances in which hits are found.
-time: (...), for models that move: 0 is the first time step, 1 the last.
+time: (...), 0 to 1, for models that move: 0 is the first time step, 1 the last.
 threads: 0 for all.
 
 Arguments are converted to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a

@@ -51,7 +51,8 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   case RTC_COMPRESSION_PROPERTY_VERSION_MINOR: return RTC_COMPRESSION_VERSION_MINOR;
   case RTC_COMPRESSION_PROPERTY_VERSION_PATCH: return RTC_COMPRESSION_VERSION_PATCH;
   }
-  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown RTCCompressionProperty " + std::to_string(property));
+  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+    "unknown RTCCompressionProperty " + std::to_string(property) + ": expected 0 to 3");
   RTC_CATCH_END(device);
   return 0;
 }
