@@ -85,7 +85,7 @@ class Motion(unittest.TestCase):
                 scene.triangles(hits, time=time)
             with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                 scene.stored_mesh(time=time)
-            for trace in (scene.intersect, scene.occluded, scene.trace_seconds):
+            for trace in (scene.intersect, scene.occluded):
                 with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
                     trace([0, 0, 1], [0, 0, -1], time=[0.5, time])
 
