@@ -13,7 +13,7 @@ foreach(isa SSE42 AVX AVX2 AVX512)
   set(EMBREE_ISA_${isa} OFF)
 endforeach()
 
-# Compilers fuse multiply-adds by default. Without them, blocks have the same bytes as on x86-64, where builders are
+# Compilers fuse multiply-adds by default. Without fusing, blocks have the same bytes as on x86-64, where builders are
 # compiled for SSE2 and AVX.
 add_compile_options("$<$<COMPILE_LANGUAGE:C,CXX>:-ffp-contract=off>")
 # Upstream's headers expect signed chars.

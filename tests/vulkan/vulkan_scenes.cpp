@@ -385,6 +385,29 @@ TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
   EXPECT_LT(statistics.deviceBytes - statistics.topLevelBytes, blockBytes*3/2);
 }
 
+// Embree stores grids for a scene without compressed geometry, apart from the grids for scenes with some.
+TEST_F(VulkanScenes, ACageOfScenesWithAndWithoutCompressedGeometryMatchesCpu)
+{
+  Displacement below;
+  below.offset = {0, 0, -2};
+  Scene mixed(embree), plain(embree);
+  const SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
+  const RTCGeometry cage = rtcGetGeometry(mixed, addSurface(embree, mixed, sheetCage(2), settings));
+  addSurface(embree, mixed, sheetCage(2), displacedSettings(below, RTC_COMPRESSION_CVERT, 8));
+  rtcCommitScene(mixed);
+  rtcAttachGeometry(plain, cage);
+  rtcCommitScene(plain);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  const std::array<RTCScene, 2> orders[] = {{mixed, plain}, {plain, mixed}};
+  for (const auto& order : orders) {
+    const VulkanScene first = upload(order[0], RTC_VULKAN_MEMORY_COPY),
+      second = upload(order[1], RTC_VULKAN_MEMORY_COPY);
+    ASSERT_TRUE(first && second) << embree.message;
+    expectAsOnTheCPU(order[0], rays, traceAll(first.get(), rays));
+    expectAsOnTheCPU(order[1], rays, traceAll(second.get(), rays));
+  }
+}
+
 TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
 {
   const SmallScene scene(embree, RTC_COMPRESSION_CVERT);

@@ -46,8 +46,8 @@ RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit, which converts a pointer to
- * query.context to the FilteredContext: `query` must be the first member. */
+/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit. filter() casts the address of
+ * query.context to a FilteredContext, so `query` must be the first member. */
 struct FilteredContext
 {
   CbvhFilterContext query;
@@ -69,7 +69,7 @@ void filter(const RTCFilterFunctionNArguments* args)
 
 /* Traces the group of a substitute. function: cbvhInternalIntersect or cbvhInternalOccluded. */
 template<typename Function, typename Arguments>
-void call(const Function& function, const Arguments* args, const SubstituteData& data,
+void trace(const Function& function, const Arguments* args, const SubstituteData& data,
   RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter)
 {
   if (!data.group) return;
@@ -94,25 +94,25 @@ void computeBounds(const RTCBoundsFunctionArguments* args)
 void intersect(const RTCIntersectFunctionNArguments* args)
 {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  call(cbvhInternalIntersect, args, data, data.intersectFilter,
+  trace(cbvhInternalIntersect, args, data, data.intersectFilter,
     filterOfArguments<RTCIntersectArguments>(data));
 }
 
 void occluded(const RTCOccludedFunctionNArguments* args)
 {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  call(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
+  trace(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
 /* Replace the application's functions for user geometry in a query's arguments, and call them except for
  * substitutes. */
-void intersectAny(const RTCIntersectFunctionNArguments* args)
+void intersectUserGeometry(const RTCIntersectFunctionNArguments* args)
 {
   if (asSubstituteData(args->geometryUserPtr)) intersect(args);
   else Current<RTCIntersectArguments>::arguments->intersect(args);
 }
 
-void occludedAny(const RTCOccludedFunctionNArguments* args)
+void occludedUserGeometry(const RTCOccludedFunctionNArguments* args)
 {
   if (asSubstituteData(args->geometryUserPtr)) occluded(args);
   else Current<RTCOccludedArguments>::arguments->occluded(args);
@@ -127,7 +127,7 @@ void runQuery(RTCIntersectArguments* args, const Query& query)
   const QueryScope<RTCIntersectArguments> entered(args);
   if (!args || !args->intersect) { query(args); return; }
   RTCIntersectArguments changed = *args;
-  changed.intersect = intersectAny;
+  changed.intersect = intersectUserGeometry;
   query(&changed);
 }
 
@@ -138,7 +138,7 @@ void runQuery(RTCOccludedArguments* args, const Query& query)
   const QueryScope<RTCOccludedArguments> entered(args);
   if (!args || !args->occluded) { query(args); return; }
   RTCOccludedArguments changed = *args;
-  changed.occluded = occludedAny;
+  changed.occluded = occludedUserGeometry;
   query(&changed);
 }
 

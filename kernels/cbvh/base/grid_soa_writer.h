@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes uncompressed patches as GridSOA, the vertex grids of Embree's GRID, into the tree of the blocks. */
+/* Writes uncompressed patches to a BlockStore, as GridSOA: the vertex grids of Embree's GRID. */
 
 #include "../embree/scene.h"
 #include "block_store.h"

@@ -17,8 +17,8 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks of consecutive patches, beginning with `patch` of `primitive`, if strip is 0. Otherwise blocks of one
-       *  strip of that patch, numbered from 1. For mesh blocks, `primitive` is the number of grids plus the index of
+      /*! If strip is 0: blocks of consecutive patches, beginning with `patch` of `primitive`. Otherwise blocks of that
+       *  patch's strip number `strip`, from 1. For mesh blocks, `primitive` is the number of grids plus the index of
        *  the batch (irregular_blocks.h). */
       struct List
       {

@@ -9,6 +9,7 @@
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../stored/block_bytes.h"
+#include "../stored/report.h"
 #include "flat_scene.h"
 #include "../stored/surface_blocks.h"
 #include <limits>
@@ -190,7 +191,18 @@ namespace embree
         }
       }
 
-      FlatGeometry describe (Geometry* geometry, OwnedScene& scene)
+      /*! False if the scene's static cages are grids that Embree has built for this scene. */
+      bool hasTreeOfBlocks (const Scene* scene)
+      {
+        for (Accel* accel : scene->accels) {
+          const CompressedAccel* const compressed = dynamic_cast<const CompressedAccel*>(accel);
+          if (compressed && !compressed->moves) return true;
+        }
+        return false;
+      }
+
+      /*! hasBlocks: hasTreeOfBlocks() of the geometry's scene. */
+      FlatGeometry describe (Geometry* geometry, bool hasBlocks, OwnedScene& scene)
       {
         FlatGeometry out = FlatGeometry();
         if (!geometry || !geometry->isEnabled()) return out;
@@ -202,7 +214,9 @@ namespace embree
         switch (int(geometry->getType()))
         {
         case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED: {
-          const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
+          const CompressibleGeometry* const surface = (const CompressibleGeometry*)geometry;
+          // a static cage can have blocks for other scenes
+          const auto blocks = surface->isCompressed() || hasBlocks ? blocksOf(surface) : nullptr;
           out.type = FLAT_SURFACE;
           out.buildID = blocks ? blocks->buildID : 0;
           break;
@@ -263,7 +277,8 @@ namespace embree
         flat->staticTree.root = flat->movingTree.root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
         bool isAllMotionSupported = true;
-        for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
+        const bool hasBlocks = hasTreeOfBlocks(scene);
+        for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),hasBlocks,*flat));
 
         // the trees stay empty unless all motion is supported
         for (const FlatGeometry& geometry : flat->ownGeometries)
