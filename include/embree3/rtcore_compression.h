@@ -16,7 +16,7 @@
  *   the remaining triangles in mesh blocks. A mesh with several time steps is stored either completely in grids or
  *   completely in mesh blocks.
  *
- * Grids and meshes are always stored as cVERT. Geometry that compression would not make smaller is left to Embree's own
+ * Grids and meshes are always stored as cVERT. Grids that compression would not make smaller are left to Embree's own
  * kernels, and so are meshes with fewer than 256 primitives or with RTC_BUILD_QUALITY_REFIT. The representation of a
  * geometry is the first of these that is set:
  *

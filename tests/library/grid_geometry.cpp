@@ -301,7 +301,11 @@ TEST(GridSurfaces, StayStitchedIfAllVerticesAreShared)
 // Returns the stored vertices of each grid, row by row, at a time from 0 to 1; NaN where none is stored.
 std::vector<std::vector<Vec>> storedVertices(RTCGeometry geometry, const std::vector<RTCGrid>& grids, float time)
 {
-  struct Found { const std::vector<RTCGrid>& grids; std::vector<std::vector<Vec>> vertices; } found{grids, {}};
+  struct Found
+  {
+    const std::vector<RTCGrid>& grids;
+    std::vector<std::vector<Vec>> vertices;
+  } found{grids, {}};
   for (const RTCGrid& grid : grids)
     found.vertices.emplace_back(size_t(grid.width)*grid.height, Vec{NAN, NAN, NAN});
   rtcForEachCompressedPart(geometry, time, [](void* ptr, const RTCCompressedPart* part) {
@@ -314,24 +318,6 @@ std::vector<std::vector<Vec>> storedVertices(RTCGeometry geometry, const std::ve
     return true;
   }, &found);
   return found.vertices;
-}
-
-// Returns a committed geometry, which the caller releases. steps: the vertices at each time step.
-RTCGeometry newCompressedGrids(RTCDevice device, const std::vector<RTCGrid>& grids,
-                               const std::vector<std::vector<Vec>>& steps, float maxError = -1)
-{
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
-  rtcSetGeometryTimeStepCount(geometry, unsigned(steps.size()));
-  for (unsigned step = 0; step < steps.size(); step++)
-    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, steps[step]);
-  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids);
-  RTCCompressionArguments args;
-  rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_CVERT;
-  args.maxError = maxError;
-  rtcSetGeometryCompression(geometry, &args);
-  rtcCommitGeometry(geometry);
-  return geometry;
 }
 
 // A coarse sheet next to a fine one. Every second border vertex of the fine one is `aside` above the coarse edge.
@@ -350,7 +336,7 @@ TEST(GridSurfaces, StitchedVerticesKeepMaxError)
       diced.add(2*n + 1, 2*n + 1, [&](unsigned x, unsigned y) {
         return Vec{512.0f*float(x), 512.0f*float(y), y == 0 ? x % 2 ? float(aside) : 0 : height(512*x, 512*y)};
       });
-      RTCGeometry geometry = newCompressedGrids(device, diced.grids, {diced.vertices}, maxError);
+      RTCGeometry geometry = newGridsOf(device, diced.grids, {diced.vertices}, RTC_COMPRESSION_CVERT, 0, maxError);
       Scene scene(device);
       rtcAttachGeometry(scene, geometry);
       rtcCommitScene(scene);
@@ -397,8 +383,8 @@ TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep)
       for (const RTCGrid& grid : diced.grids) moved[grid.startVertexID + 4*grid.stride][2] = NAN;
     return moved;
   };
-  RTCGeometry geometry =
-    newCompressedGrids(device, diced.grids, {verticesAt(0), verticesAt(1), verticesAt(2)});
+  RTCGeometry geometry = newGridsOf(device, diced.grids, {verticesAt(0), verticesAt(1), verticesAt(2)},
+                                    RTC_COMPRESSION_CVERT);
   Scene scene(device);
   rtcAttachGeometry(scene, geometry);
   rtcCommitScene(scene);
@@ -431,7 +417,7 @@ struct MovingStrips
   {
     std::vector<RTCGrid> grids = steps[0].grids;
     if (reversed) std::reverse(grids.begin(), grids.end());
-    RTCGeometry geometry = newCompressedGrids(device, grids, {steps[0].vertices, steps[1].vertices});
+    RTCGeometry geometry = newGridsOf(device, grids, {steps[0].vertices, steps[1].vertices}, RTC_COMPRESSION_CVERT);
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);

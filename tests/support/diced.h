@@ -97,29 +97,40 @@ inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
   return diced;
 }
 
-inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned flags)
+// maxError: negative for the default; ignored unless a compression or flags are set.
+inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned flags, float maxError = -1)
 {
   if (compression != RTC_COMPRESSION_INHERIT || flags) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
     args.flags = flags;
+    args.maxError = maxError;
     rtcSetGeometryCompression(geometry, &args);
   }
   rtcCommitGeometry(geometry);
 }
 
-// Returns a committed geometry, which the caller releases.
+// Returns a committed geometry, which the caller releases. steps: the vertices at each time step.
+inline RTCGeometry newGridsOf(RTCDevice device, const std::vector<RTCGrid>& grids,
+                              const std::vector<std::vector<Vec>>& steps, RTCCompression compression,
+                              unsigned flags = 0, float maxError = -1)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+  rtcSetGeometryTimeStepCount(geometry, unsigned(steps.size()));
+  for (unsigned t = 0; t < steps.size(); t++)
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, steps[t]);
+  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids);
+  commitAs(geometry, compression, flags, maxError);
+  return geometry;
+}
+
 inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT,
                             unsigned flags = 0, unsigned timeSteps = 1)
 {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
-  rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++)
-    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(diced.vertices, diced.motion, t));
-  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
-  commitAs(geometry, compression, flags);
-  return geometry;
+  std::vector<std::vector<Vec>> steps;
+  for (unsigned t = 0; t < timeSteps; t++) steps.push_back(movedTo(diced.vertices, diced.motion, t));
+  return newGridsOf(device, diced.grids, steps, compression, flags);
 }
 
 class GridScene : public Scene

@@ -97,11 +97,7 @@ namespace embree
     for (bool moves : { false,true })
     {
       if (scene->getNumPrimitives(SubdivMesh::geom_type,moves) == 0) continue;
-      const CompressedAccel* compressed = nullptr;
-      for (Accel* accel : scene->accels) {
-        const CompressedAccel* const candidate = dynamic_cast<CompressedAccel*>(accel);
-        if (candidate && candidate->moves == moves) compressed = candidate;
-      }
+      const CompressedAccel* const compressed = findCompressedAccel(scene,moves);
       if ((compressed != nullptr) != cbvh::hasCompressedGeometry(scene,moves)) return true;
       if (moves && compressed && !compressed->isNextToGrid && hasUncompressedMotion(scene)) return true;
     }

@@ -191,17 +191,7 @@ namespace embree
         }
       }
 
-      /*! False if the scene's static cages are grids that Embree has built for this scene. */
-      bool hasTreeOfBlocks (const Scene* scene)
-      {
-        for (Accel* accel : scene->accels) {
-          const CompressedAccel* const compressed = dynamic_cast<const CompressedAccel*>(accel);
-          if (compressed && !compressed->moves) return true;
-        }
-        return false;
-      }
-
-      /*! hasBlocks: hasTreeOfBlocks() of the geometry's scene. */
+      /*! hasBlocks: false if Embree's own kernel has built grids for the scene's static cages. */
       FlatGeometry describe (Geometry* geometry, bool hasBlocks, OwnedScene& scene)
       {
         FlatGeometry out = FlatGeometry();
@@ -277,7 +267,7 @@ namespace embree
         flat->staticTree.root = flat->movingTree.root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
         bool isAllMotionSupported = true;
-        const bool hasBlocks = hasTreeOfBlocks(scene);
+        const bool hasBlocks = findCompressedAccel(scene,false) != nullptr;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),hasBlocks,*flat));
 
         // the trees stay empty unless all motion is supported

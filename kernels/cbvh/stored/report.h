@@ -56,4 +56,14 @@ namespace embree
     const bool moves;
     const bool isNextToGrid; //!< the scene also got Embree's own structure for moving subdivision surfaces
   };
+
+  /*! Returns the scene's structure for static or moving geometry, or null if there is none. */
+  inline const CompressedAccel* findCompressedAccel (const Scene* scene, bool moves)
+  {
+    for (const Accel* accel : scene->accels) {
+      const CompressedAccel* const compressed = dynamic_cast<const CompressedAccel*>(accel);
+      if (compressed && compressed->moves == moves) return compressed;
+    }
+    return nullptr;
+  }
 }
