@@ -418,6 +418,24 @@ TEST(VertBlock, TinyCoordinatesNextToLargeOnesRoundTrip)
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertices[v][k], v == 5 ? 0x1p-120f : std::ldexp(float(v), 56));
 }
 
+// A tiny negative coordinate lies below 0 by far less than a double's ulp at 1.
+TEST(VertBlock, BoxesContainTinyNegativeCoordinates)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (int axis = 0; axis < 3; axis++) {
+    for (int v = 0; v < 9*9; v++)
+      for (int k = 0; k < 3; k++) encoder->vertices[v][k] = float(k == (axis + 1) % 3 ? v % 9 : v/9);
+    for (int v = 0; v < 9*9; v++) encoder->vertices[v][axis] = v % 9 == 8 ? 64 : -1e-20f;
+    const Encoded encoded(*encoder, whole(8, 8));
+    ASSERT_FALSE(encoded.statistics.raw);
+    ASSERT_NE(axis, shearedAxis(encoded.block()->info));
+    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
+    float lower[3], upper[3];
+    decoded->groupBox(0, lower, upper);
+    EXPECT_LE(lower[axis], -1e-20f) << "axis " << axis;
+  }
+}
+
 TEST(VertBlock, EncoderWritesAnnotatedBlock)
 {
   auto encoder = std::make_unique<VertEncoder>();

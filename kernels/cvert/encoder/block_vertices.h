@@ -275,8 +275,8 @@ namespace cvert { inline namespace CVERT_ISA
         remainderUnits = std::ldexp(1.0,int(remainderBits[k]));
       for (uint32_t i=0; i<((numVertices()+3u) & ~3u); i++)
       {
-        const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);
-        coordinates[k][i] = int(whole);
+        const double at = double(vertices[i][k])*unit, whole = std::floor(at);
+        coordinates[k][i] = int(whole - first);
         if (remainderBits[k] == remaindersAreFloats) memcpy(&remainders[k][i],&vertices[i][k],sizeof(float));
         else remainders[k][i] = uint32_t((at-whole)*remainderUnits);
       }
