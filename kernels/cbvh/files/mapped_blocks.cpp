@@ -79,7 +79,11 @@ namespace embree
         if (!threadCopy) {
           static thread_local Owner owner; // frees it at the thread's end
           (void)owner;
-          threadCopy = new ThreadCopy;
+          threadCopy = new (std::nothrow) ThreadCopy;
+        }
+        if (unlikely(!threadCopy)) {
+          const AddressRange range = findRegistered(block);
+          return !range.blocks || range.blocks->isValid(block,format);
         }
         if (threadCopy->generation != generation.load(std::memory_order_acquire)) {
           Lock<MutexSys> lock(mutex);
