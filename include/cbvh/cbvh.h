@@ -356,7 +356,7 @@ typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 /* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
  * input was set since the last commit and the accuracy is unchanged. Rays of a group hit the new surface after the next
  * cbvhCommitGroup. Quads with vertices that are not finite, and quads of a mesh with an index past the vertices, are
- * left out; CbvhGroupStatistics counts them.
+ * left out; CbvhGroupStatistics counts them, and cbvhCommitGroup reports some (see there).
  *
  * progress: may be NULL.
  * userPtr:  passed to the progress function.
@@ -371,7 +371,9 @@ CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunct
 /* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
 CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 
-/* Evaluates an attribute of a cage at a hit. Grids, meshes and loaded surfaces have no attributes.
+/* Evaluates an attribute of a cage at a hit. Grids, meshes and loaded surfaces have no attributes. If
+ * an attribute contains the cage's vertices, the cross product of dPdu and dPdv is the smooth normal of the surface
+ * without displacement.
  *
  * attribute:     index in CbvhCage::attributes.
  * primID, u, v:  face and parameters, as in hits. On a face with four corners, u and v are 0 to 1. Another face has a

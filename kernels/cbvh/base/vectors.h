@@ -49,8 +49,8 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! cvert's directionReciprocal of three components; ignores the fourth lane. Components between 1e-9 and 1e9 need
-       *  no clamping, except by an ulp if both ends occur. */
+      /*! cvert's directionReciprocal of three components; ignores the fourth lane. If all magnitudes are 1e-9 to
+       *  1e9, clamping would change a component by at most an ulp, so it is skipped. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
