@@ -200,10 +200,10 @@ struct CbvhCage
 
   size_t numCreases;
   const unsigned int* creases;          /* two vertices each */
-  const float* creaseSharpness;         /* one entry per crease. Infinity is a sharp edge */
+  const float* creaseSharpness;         /* one entry per crease, 0 to infinity: a sharp edge */
   size_t numCorners;
   const unsigned int* corners;          /* vertices */
-  const float* cornerSharpness;         /* one entry per corner */
+  const float* cornerSharpness;         /* one entry per corner, 0 to infinity */
   size_t numHoles;
   const unsigned int* holes;            /* numHoles faces that are left out */
 

@@ -85,6 +85,14 @@ void checkBelow(const unsigned int* values, size_t count, size_t bound, const ch
         + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + targets);
 }
 
+void checkSharpness(const float* values, size_t count, const char* array)
+{
+  for (size_t i = 0; i < count; i++)
+    if (!(values[i] >= 0))
+      throwInvalidArgument(std::string(array) + " " + std::to_string(i) + " is " + numberText(values[i])
+        + ": expected 0 to infinity");
+}
+
 /* Throws if a face has fewer than 3 vertices, if the faces do not use all indices, or if an index or count would make
  * Embree access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
@@ -106,6 +114,8 @@ void checkTopology(const CbvhCage& cage)
   checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.numVertices, "crease index", "vertex", "vertices");
   checkBelow(cage.corners, cage.numCorners, cage.vertices.numVertices, "corner", "vertex", "vertices");
   checkBelow(cage.holes, cage.numHoles, cage.numFaces, "hole", "face", "faces");
+  checkSharpness(cage.creaseSharpness, cage.numCreases, "creaseSharpness");
+  checkSharpness(cage.cornerSharpness, cage.numCorners, "cornerSharpness");
 }
 
 } // namespace

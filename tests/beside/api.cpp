@@ -540,6 +540,15 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
   expectInvalid("too many vertices", [](CbvhCage& c) { c.vertices.numVertices = size_t(1) << 32; });
   expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
+  const unsigned edge[2] = {0, 1};
+  for (float wrong : {NAN, -1.0f}) {
+    expectInvalid("creaseSharpness 0 is", [&](CbvhCage& c) {
+      c.numCreases = 1; c.creases = edge; c.creaseSharpness = &wrong;
+    });
+    expectInvalid("cornerSharpness 0 is", [&](CbvhCage& c) {
+      c.numCorners = 1; c.corners = edge; c.cornerSharpness = &wrong;
+    });
+  }
   expectInvalid("invalid boundary 9:", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
