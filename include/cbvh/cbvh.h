@@ -429,10 +429,10 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  * The file may have any representation of Embree CBVH. Surfaces in cLEAF and cVOXEL have no triangles. Parts in cGRID
  * have up to 256 x 256 quads, and neighboring parts share equal floats only inside of a face.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are
- * truncated or altered, or contain several surfaces; the message states the reason. Blocks of a surface that moves are
- * checked during the call, other blocks when a ray visits them for the first time: damaged ones are then left out, and
- * the first one is reported to the error function. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are truncated, have
+ * a damaged header, directory or tree, or contain several surfaces; the message states the reason. Blocks of a surface
+ * that moves are checked during the call, other blocks when a ray visits them for the first time: damaged ones are then
+ * left out, and the first one is reported to the error function. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */

@@ -53,7 +53,7 @@ RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
  * reported as an error of the device if it is the first one of its geometry. rtcVerifyCompressedFile checks everything.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a file that does not exist, has another format or
- * version, is truncated or altered, or contains several geometries; the message states the reason. Thread safety: as
+ * version, is truncated, has a damaged header, directory or tree, or contains several geometries. Thread safety: as
  * rtcNewGeometry. */
 RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path);
 

@@ -165,7 +165,7 @@ struct RTCCompressionArguments
    * maxPixelError*pixelSize*d, where d is the distance from the camera to the bounds of the face's vertices, enlarged
    * by a quarter. If maxError is set too, the smaller bound holds. */
   float maxPixelError;
-  float cameraPosition[3];  /* world space; must be finite if maxPixelError is not 0 */
+  float cameraPosition[3];  /* in the space of the vertices; must be finite if maxPixelError is not 0 */
   float pixelSize;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
 
   /* cLEAF: 1 stores faces that leaves cannot represent (curved open borders and creases, walls, folds) as cVERT. 0

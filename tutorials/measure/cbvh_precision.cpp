@@ -68,7 +68,7 @@ void fill(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFor
   std::copy(values.begin(), values.end(), static_cast<T*>(data));
 }
 
-/* `input` is "grids", "quads" or "triangles". */
+/* `input` is "grids", "quads", "triangles", or "irregular": triangles with random diagonals, which form no grids. */
 GeometryHandle makeGeometry(EmbreeDevice& device, const Diced& diced, const std::string& input)
 {
   const RTCGeometryType type = input == "grids" ? RTC_GEOMETRY_TYPE_GRID
@@ -86,8 +86,9 @@ GeometryHandle makeGeometry(EmbreeDevice& device, const Diced& diced, const std:
     std::vector<std::array<unsigned, 3>> triangles;
     for (const auto& q : diced.quads)
     {
-      triangles.push_back({q[0], q[1], q[3]});
-      triangles.push_back({q[1], q[2], q[3]});
+      const bool isOther = input == "irregular" && hashCell(int(triangles.size()), 0, 0, 3) & 1;
+      triangles.push_back({q[0], q[1], q[isOther ? 2 : 3]});
+      triangles.push_back({q[isOther ? 0 : 1], q[2], q[3]});
     }
     fill(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles);
   }
@@ -372,9 +373,10 @@ int run(int argc, char** argv)
       ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))
       ->capture_default_str();
   app.add_option("--input", options.inputs,
-      "comma-separated list of geometry types for diced sources: grids, quads, triangles; "
-      "models have no grids")
-      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
+      "comma-separated list of geometry types for diced sources: grids; quads; triangles; irregular, triangles that "
+      "cut quads along random diagonals; models have no grids")
+      ->type_name("LIST")->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles", "irregular"}))
+      ->capture_default_str();
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
       ->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
   app.add_option("--motion", options.motion, "motion of models and cages: turn, bend, twist, walk")
