@@ -8,6 +8,7 @@
  * different spacings. The scalar references are cvert/decoder/mesh_view.h for the first step and mesh_step_view.h for
  * later steps. */
 
+#include "../../cvert/basics/double4.h"
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
 
@@ -64,26 +65,36 @@ namespace embree
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
-          const uint32_t shift = step ? stepBoxShift(*step,k) : meshBoxShift(spacings,block->info,k);
+          if (unlikely(hasRanks(spacings,k))) { setRankedPlanes(k,step,origin,out,extent); return; }
           const bool isSheared = !step && isShearedAxis(k);
+          const vfloatV from(origin), spacing(meshSpacing(spacings,k));
+          vfloatV farthest(0.0f);
+          for (uint32_t n=0; n<16; n+=vectorWidth)
+          {
+            vintV begin, end;
+            loadBounds(step,k,n,begin,end);
+            if (isSheared) unshear(k,n,begin,end);
+            const vfloatV lower = from + vfloatV(begin)*spacing, upper = from + vfloatV(end)*spacing;
+            vfloatV::store(out.at[0]+n,lower);
+            vfloatV::store(out.at[1]+n,upper);
+            const vboolV isGroup = vintV(embree::step) + vintV(int(n)) < vintV(int(numGroups));
+            farthest = max(farthest,select(isGroup,max(abs(lower-from),abs(upper-from)),vfloatV(0.0f)));
+          }
+          extent = max(extent,reduce_max(farthest));
+        }
+
+        /*! setPlanes on an axis of ranks (hasRanks). */
+        void setRankedPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
+        {
+          const uint32_t shift = boxShift(step,k), first = rankOfFloat(origin);
+          const uint8_t* const lowerBytes = boxBytes(step) + k*numGroups, * const extents = lowerBytes + 3*numGroups;
           for (uint32_t l=0; l<16; l++)
           {
-            const uint32_t g = min(l,numGroups-1), begin = boxByte(step,k,g) << shift,
-              end = begin + ((boxByte(step,3+k,g)+1) << shift);
-            float lower, upper;
-            if (unlikely(hasRanks(spacings,k))) {
-              lower = floatOfRank(rankOfFloat(origin) + begin);
-              upper = floatOfRank(rankOfFloat(origin) + end-1);
-            }
-            else {
-              int values[2] = { int(begin),int(end) };
-              if (isSheared) unshear(k,g,values);
-              lower = origin + float(values[0])*meshSpacing(spacings,k);
-              upper = origin + float(values[1])*meshSpacing(spacings,k);
-            }
-            out.at[0][l] = lower;
-            out.at[1][l] = upper;
-            extent = max(extent,max(std::fabs(lower-origin),std::fabs(upper-origin)));
+            const uint32_t g = min(l,numGroups-1), begin = first + (lowerBytes[g] << shift),
+              end = begin + ((extents[g]+1u) << shift);
+            out.at[0][l] = floatOfRank(begin);
+            out.at[1][l] = floatOfRank(end-1);
+            extent = max(extent,max(std::fabs(out.at[0][l]-origin),std::fabs(out.at[1][l]-origin)));
           }
         }
 
@@ -92,30 +103,42 @@ namespace embree
           return (meshSlope(block->info,1) | meshSlope(block->info,2)) != 0 && k == meshShearedAxis(block->info);
         }
 
-        /*! Converts bounds of sheared coordinates on axis m to bounds of coordinates. values: lower bound, upper bound
-         *  plus 1. */
-        void unshear (uint32_t m, uint32_t g, int values[2]) const
+        /*! Converts bounds of sheared coordinates on axis m to bounds of coordinates. n: group of the first lane. */
+        void unshear (uint32_t m, uint32_t n, vintV& begin, vintV& end) const
         {
-          int minShear = 8, maxShear = 8; // sums of the shear, in 1/16; 8 rounds to nearest
+          vintV minShear(8), maxShear(8); // sums of the shear, in 1/16; 8 rounds to nearest
           for (uint32_t i=1; i<3; i++)
           {
-            const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->info,k);
-            const int slope = meshSlope(block->info,i), lower = int(boxByte(nullptr,k,g) << shift),
-              upper = lower + int((boxByte(nullptr,3+k,g)+1) << shift) - 1;
-            minShear += slope*(slope < 0 ? upper : lower);
-            maxShear += slope*(slope < 0 ? lower : upper);
+            vintV lower, upper;
+            loadBounds(nullptr,(m+i) % 3,n,lower,upper);
+            upper = upper - vintV(1);
+            const int slope = meshSlope(block->info,i);
+            minShear = minShear + vintV(slope)*(slope < 0 ? upper : lower);
+            maxShear = maxShear + vintV(slope)*(slope < 0 ? lower : upper);
           }
-          values[0] -= maxShear >> 4;
-          values[1] -= minShear >> 4;
+          begin = begin - (maxShear >> 4);
+          end = end - (minShear >> 4);
         }
 
-        /*! Byte of the box of group g. step: null for the first time step. i: 0 to 2 for lower planes, 3 to 5 for
-         *  extents. */
-        uint32_t boxByte (const MeshStep* step, uint32_t i, uint32_t g) const
+        /*! Loads bounds of coordinates on axis k, the upper one plus 1. step: null for the first time step. n: group of
+         *  the first lane. Lanes without a group receive other bytes. */
+        __forceinline void loadBounds (const MeshStep* step, uint32_t k, uint32_t n, vintV& begin, vintV& end) const
         {
-          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(numGroups,step->info).boxes
+          const int shift = int(boxShift(step,k));
+          const uint8_t* const bytes = boxBytes(step) + k*numGroups + n;
+          begin = loadBytes(bytes) << shift;
+          end = begin + ((loadBytes(bytes+3*numGroups) + vintV(1)) << shift);
+        }
+
+        uint32_t boxShift (const MeshStep* step, uint32_t k) const {
+          return step ? stepBoxShift(*step,k) : meshBoxShift(block->spacings,block->info,k);
+        }
+
+        /*! Bytes of the groups' boxes: lower planes on x, y and z, then extents. step: null for the first time step. */
+        const uint8_t* boxBytes (const MeshStep* step) const
+        {
+          return step ? (const uint8_t*)step + meshStepLayout(numGroups,step->info).boxes
             : (const uint8_t*)block + meshLayout(block->counts).boxes;
-          return boxes[i*numGroups+g];
         }
 
         /*! Decodes where the groups' fields begin, and their bases, at a step after the first. */
@@ -162,8 +185,7 @@ namespace embree
           {
             if ((ownMask >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
             const uint32_t v = meshBitsAt(data,begin + at.otherIndices + at.otherBits*other++,at.otherBits);
-            uint32_t owner = 0;
-            while (owner+1 < numGroups && v >= entry.firstVertex[owner+1]) owner++;
+            const uint32_t owner = groupOfVertex(entry,v);
             out.group[i] = uint8_t(owner);
             out.index[i] = uint8_t(v-entry.firstVertex[owner]);
           }
@@ -182,16 +204,42 @@ namespace embree
           }
           for (uint32_t k=0; k<3; k++)
           {
-            const float origin = step.origin[k], spacing = meshSpacing(step.spacings,k);
-            const bool ranked = hasRanks(step.spacings,k);
-            for (uint32_t i=0; i<owners.numVertices; i++)
-            {
-              const float p[3] = { first.at[0][i],first.at[1][i],first.at[2][i] };
-              const uint32_t coordinate =
-                predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k) + residuals[k][i];
-              out.at[k][i] = ranked ? floatOfRank(rankOfFloat(origin)+coordinate)
-                : origin + float(int(coordinate))*spacing;
+            if (likely(!hasRanks(step.spacings,k))) {
+              addPredictions(step,k,first,owners.numVertices,residuals[k],out.at[k]);
+              continue;
             }
+            const float origin = step.origin[k];
+            for (uint32_t i=0; i<owners.numVertices; i++) {
+              const float p[3] = { first.at[0][i],first.at[1][i],first.at[2][i] };
+              out.at[k][i] = floatOfRank(rankOfFloat(origin) + residuals[k][i]
+                + predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k));
+            }
+          }
+        }
+
+        /*! Computes positions on axis k, which has a spacing, from predictions and residuals. The same operations as in
+         *  predictedPosition and predictedCoordinate. */
+        static void addPredictions (const MeshStep& step, uint32_t k, const MeshVertices& first, uint32_t numVertices,
+                                    const uint32_t* residuals, float* out)
+        {
+          const float spacing = meshSpacing(step.spacings,k);
+          const Double4 row[4] = { flushedDouble(step.map[k][0]),flushedDouble(step.map[k][1]),
+                                   flushedDouble(step.map[k][2]),flushedDouble(step.map[k][3]) };
+          const Double4 origin = flushedDouble(step.origin[k]), rcpSpacing = 1.0/double(spacing), limit = 1073741824.0;
+          const Double4 minNormalFloat = 1.1754943508222875e-38;
+          auto load = [&](const float* p) {
+            const Double4 position = Float4::load(p);
+            return select(abs(position) < minNormalFloat,Double4(0.0),position);
+          };
+          for (uint32_t i=0; i<numVertices; i+=4)
+          {
+            const Double4 x = load(first.at[0]+i), y = load(first.at[1]+i), z = load(first.at[2]+i);
+            const Double4 predicted = ((row[0]*x + row[1]*y) + row[2]*z) + row[3];
+            const Double4 real = (predicted-origin)*rcpSpacing + Double4(0.5);
+            const Double4 clamped = min(limit,max(Double4(0.0)-limit,real)); // NaN becomes the lower limit
+            const Int4 truncated = toInt(clamped);
+            const Int4 coordinate = truncated - ((clamped < toDouble(truncated)) & Int4(1)) + Int4::load(residuals+i);
+            (Float4(step.origin[k]) + toFloat(coordinate)*Float4(spacing)).store(out+i);
           }
         }
 
