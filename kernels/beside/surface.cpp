@@ -296,7 +296,6 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
   const bool hasQuads = mesh.verticesPerFace == 4;
   InputPtr input(new Input(context->device, hasQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
   input->numPrimitives = unsigned(mesh.numFaces);
-  input->isMesh = true;
   setVertices(input->geometry, mesh.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, hasQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
     4*mesh.verticesPerFace, 4*mesh.verticesPerFace, mesh.numFaces);
@@ -373,8 +372,8 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Removes the callback. If the input is still pending, commitInput() threw: also removes the request for compression.
-   * That modifies the geometry, and groups could not commit the current one. */
+  /* Removes the callback. If commitInput() threw and left the input pending, also removes its request for compression.
+   * The current input must stay unmodified, because groups cannot commit a modified geometry. */
   struct Restore
   {
     const CbvhSurfaceTy& surface;
@@ -441,10 +440,8 @@ void CbvhSurfaceTy::load(const char* path)
   const core::CompressedFile file(context->embreeDevice(), path);
   if (file.size() != 1)
     throwInvalidArgument(std::string(path) + ": has " + std::to_string(file.size()) + " geometries: expected 1");
-  const core::CompressedFileGeometryInfo info = file.geometryInfo(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
-  current->numPrimitives = info.numPrimitives;
-  current->isMesh = info.type == RTC_GEOMETRY_TYPE_QUAD || info.type == RTC_GEOMETRY_TYPE_TRIANGLE;
+  current->numPrimitives = file.geometryInfo(0).numPrimitives;
 }
 
 std::shared_ptr<const Input> CbvhSurfaceTy::committedInput() const
@@ -505,7 +502,6 @@ CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const CbvhMesh* mesh)
 {
   return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& converted) { surface->set(converted); });
 }
-
 
 CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicingArguments* dicing, float* rates)
 {

@@ -24,7 +24,6 @@ struct Input
 {
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
-  bool isMesh = false;
   size_t numEdges = 0;                // one per index of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;

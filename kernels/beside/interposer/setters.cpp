@@ -80,23 +80,23 @@ bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t str
 bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, const Buffer& buffer)
 {
   const RTCFormat format = buffer.format;
+  const bool isCage = input.type == RTC_GEOMETRY_TYPE_SUBDIVISION;
   if (size_t(buffer.data) % 4 != 0 || buffer.stride % 4 != 0 || buffer.count > 0xFFFFFFFFu) return false;
-  if (type == RTC_BUFFER_TYPE_VERTEX && input.type != RTC_GEOMETRY_TYPE_SUBDIVISION
-      && buffer.stride*buffer.count > size_t(16) << 30) return false;
+  if (type == RTC_BUFFER_TYPE_VERTEX && !isCage && buffer.stride*buffer.count > size_t(16) << 30) return false;
   switch (type) {
   case RTC_BUFFER_TYPE_VERTEX: return format == RTC_FORMAT_FLOAT3 && slot < input.numTimeSteps;
   case RTC_BUFFER_TYPE_INDEX:
     if (input.type == RTC_GEOMETRY_TYPE_QUAD) return format == RTC_FORMAT_UINT4 && slot == 0;
     if (input.type == RTC_GEOMETRY_TYPE_TRIANGLE) return format == RTC_FORMAT_UINT3 && slot == 0;
-    return format == RTC_FORMAT_UINT && slot == 0;
-  case RTC_BUFFER_TYPE_GRID: return format == RTC_FORMAT_GRID && slot == 0;
-  case RTC_BUFFER_TYPE_EDGE_CREASE_INDEX: return format == RTC_FORMAT_UINT2 && slot == 0;
+    return isCage && format == RTC_FORMAT_UINT && slot == 0;
+  case RTC_BUFFER_TYPE_GRID: return input.type == RTC_GEOMETRY_TYPE_GRID && format == RTC_FORMAT_GRID && slot == 0;
+  case RTC_BUFFER_TYPE_EDGE_CREASE_INDEX: return isCage && format == RTC_FORMAT_UINT2 && slot == 0;
   case RTC_BUFFER_TYPE_LEVEL:
   case RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT:
-  case RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT: return format == RTC_FORMAT_FLOAT && slot == 0;
+  case RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT: return isCage && format == RTC_FORMAT_FLOAT && slot == 0;
   case RTC_BUFFER_TYPE_FACE:
   case RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX:
-  case RTC_BUFFER_TYPE_HOLE: return format == RTC_FORMAT_UINT && slot == 0;
+  case RTC_BUFFER_TYPE_HOLE: return isCage && format == RTC_FORMAT_UINT && slot == 0;
   default: return false;
   }
 }
@@ -107,7 +107,8 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
   Objects::get().setArrayBuffer(geometry, type, slot, buffer);
   changeInput(geometry, [&](Input& input) {
     if (!isAccepted(input, type, slot, buffer)) return;
-    /* Embree keeps the previous buffer if it rejects this one, for example from another device. It replaces NULL. */
+    /* Embree keeps the previous buffer if it rejects this one, for example from another device. If data is NULL, it
+     * allocates a buffer. */
     if (buffer.data && REAL(rtcGetGeometryBufferData)(geometry, type, slot) != buffer.data) return;
     input.isIncomplete |= !guarded("setting a buffer", [&] { input.buffers[{type, slot}] = buffer; });
   });
@@ -168,6 +169,11 @@ RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, 
 RTC_API RTCBuffer rtcNewBufferHostDevice(RTCDevice device, size_t byteSize)
 {
   return recorded(REAL(rtcNewBufferHostDevice)(device, byteSize), byteSize);
+}
+
+RTC_API RTCBuffer rtcNewSharedBufferHostDevice(RTCDevice device, void* ptr, size_t byteSize)
+{
+  return recorded(REAL(rtcNewSharedBufferHostDevice)(device, ptr, byteSize), byteSize);
 }
 
 RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,

@@ -112,21 +112,21 @@ namespace embree
         cbvh::BuildStatistics statistics;
         typename Source::Writer writer(source,store,statistics);
         size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
-        unsigned firstPatch = 0; // first patch of primitive `first`
+        unsigned firstPatch = 0; // of primitive `first`
         for (size_t i=primitives.begin(); i!=primitives.end(); i++)
         {
           const size_t invalid = statistics.sums.numInvalidQuads;
-          unsigned number = 0;
+          unsigned patchIndex = 0;
           source.forEachPatch(i,scratch,[&](Patch& patch) {
               if (!writer.write(i,patch)) {
                 results.add(first,firstPatch,0,store);
-                buildStrips(i,number,patch,memory,results,statistics,progress);
+                buildStrips(i,patchIndex,patch,memory,results,statistics,progress);
                 first = i;
-                firstPatch = number+1;
+                firstPatch = patchIndex+1;
               }
               statistics.bytesInEmbree += source.bytesInEmbree(patch);
               quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
-              number++;
+              patchIndex++;
             });
           if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
           if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
@@ -141,10 +141,9 @@ namespace embree
       }
 
       /*! Builds a patch with many rows in strips, as separate tasks. Rows that two strips share are evaluated first if
-       *  a second evaluation could differ. number: index of the patch in its primitive. */
-      void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory,
-                        BuildResults& results,
-                        cbvh::BuildStatistics& statistics, const Progress& progress)
+       *  a second evaluation could differ. patchIndex: in the primitive. */
+      void buildStrips (size_t primitive, unsigned patchIndex, const Patch& patch, cbvh::BlockMemory& memory,
+                        BuildResults& results, cbvh::BuildStatistics& statistics, const Progress& progress)
       {
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0],
           quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
@@ -174,7 +173,7 @@ namespace embree
               const PatchPart strip = { 0,quadsX,s*rows,min((s+1)*rows,quadsY) };
               VertWriter(plan,device,store,stripStatistics).write(own,strip,s == 0 ? nullptr : seam(s-1),
                 s+1 == strips ? nullptr : seam(s));
-              results.add(primitive,number,s+1,store);
+              results.add(primitive,patchIndex,s+1,store);
               progress(0.0);
             }
             Lock<MutexSys> lock(mutex);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are known: of the block, or from the
+/* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are the block's, or vertices of the
  * first cell. The other 21 are predicted by bilinear interpolation, and a bit field stores the residual of each:
  *
  *     c01--18--19--20--c11      The first cell of a block has the corners of 4 x 4 groups. The cell
@@ -65,7 +65,7 @@ CVERT_FUNCTION int cellField (int i, int j)
 }
 
 /*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
- *  quads: of the cell in this direction. */
+ *  quads: number of the cell's quads in this direction. */
 CVERT_FUNCTION int cellWeight (int i, int step, int quads)
 {
   int x = step*i;

@@ -85,7 +85,7 @@ def gather(path, seen):
 
     text = re.sub(r'^#include "([^"]+)"[^\n]*$', included, text, flags=re.M)
     guard = re.search(r"^#ifndef (\w+_(?:H|GLSL))\n#define \1\n", text, flags=re.M)
-    if guard and len(seen) and path != seen[0]:
+    if guard and path != seen[0]:
         end = text.rindex("#endif")
         text = text[:guard.start()] + text[guard.end():end] + text[end + len("#endif"):]
     return text.replace(HEAD, "", 1) if path != seen[0] else text

@@ -498,6 +498,13 @@ void Program::rejections()
     shoot(scene);
   }
   rtcReleaseBuffer(buffer);
+
+  unsigned errors = 0;
+  const RTCGrid grid = {0, 2, 2, 2};
+  rtcSetDeviceErrorFunction(device, [](void* count, RTCError, const char*) { ++*(unsigned*)count; }, &errors);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, &grid, 0, sizeof(grid), 1);
+  CHECK(errors == 1 && rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT);
+  rtcSetDeviceErrorFunction(device, nullptr, nullptr);
   rtcReleaseGeometry(geometry);
   rtcReleaseScene(scene);
 }

@@ -235,6 +235,12 @@ void Test::rejectedCalls()
   CHECK(isRejected());
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices, 0, 6, 2);
   CHECK(isRejected());
+#if RTC_VERSION >= 40400
+  const RTCBuffer pair = rtcNewSharedBufferHostDevice(device, (void*)indices, 8);
+  rtcSetGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, pair, 0, 12, 2);
+  CHECK(isRejected());
+  rtcReleaseBuffer(pair);
+#endif
   rtcSetGeometryInstancedScene(array, nullptr);
   CHECK(isRejected());
   rtcSetGeometryInstancedScenes(array, nullptr, 2);
