@@ -7,11 +7,12 @@
  * A process cannot load two libraries of the same name. Therefore the program runs itself as `stock_equality --trace
  * CONFIG FILE` once for each library directory in LD_LIBRARY_PATH, and compares the results. */
 
+#include "tracing/denormals.h"
+
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
 #include <dlfcn.h>
-#include <pmmintrin.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -361,8 +362,7 @@ void writeString(FILE* file, const std::string& s)
 
 int trace(const char* config, const char* path)
 {
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  const cbvh::FlushDenormals fast;
   RTCDevice device = rtcNewDevice(config);
   if (!device) return 2;
   FILE* file = fopen(path, "wb");
