@@ -28,7 +28,7 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute
-  // of a cage with attributes: pairs of face and number of corners, for faces that are not quads, sorted by face
+  // faces of a cage with attributes that are not quads, and their numbers of corners; sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // NULL except during a commit
   void* progressPtr = nullptr;

@@ -599,6 +599,11 @@ TEST(Beside, InvalidInputIsReportedByName)
   cbvhReleaseGroup(group);
   CbvhContext none2 = nullptr;
   EXPECT_NE(cbvhNewContext("cbvh_bogus=1", nullptr, nullptr, &none2), CBVH_OK);
+  for (const char* size : {"-1", "-.5", "1e39"}) {
+    EXPECT_EQ(cbvhNewContext((std::string("cache_size=") + size).c_str(), nullptr, nullptr, &none2),
+              CBVH_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(std::string(cbvhGetErrorText()).find(std::string("\"") + size), std::string::npos) << cbvhGetErrorText();
+  }
   EXPECT_EQ(none2, nullptr);
 }
 

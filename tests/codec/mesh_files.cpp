@@ -176,6 +176,22 @@ TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
   }
 }
 
+// NaN compares neither below nor above: such bounds are not empty.
+TEST(MeshFiles, BoundsThatAreNotNumbersAreRejected)
+{
+  const TemporaryFile temporary;
+  for (int k = 0; k < 3; k++)
+    for (bool isUpper : {false, true}) {
+      Saved saved;
+      FileGeometry& record = saved.surface.record;
+      (isUpper ? record.upper : record.lower)[k] = NAN;
+      try { saved.write(temporary.path); ADD_FAILURE() << "axis " << k; }
+      catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("bounds are not finite"), std::string::npos) << error.what();
+      }
+    }
+}
+
 // The type of a child must fit the form of the tree.
 TEST(MeshFiles, StillTreesHaveNoMovingBlocks)
 {

@@ -5,7 +5,7 @@
 
 /* An application's geometry, for which scenes contain a substitute: a user geometry that traces the compressed surface.
  * The application's handle is Embree's geometry (the original), which receives all calls and interpolates. Scenes
- * contain the original only if it cannot be compressed, so that Embree never tessellates it otherwise. */
+ * contain the original only if it cannot be compressed, because Embree tessellates what a scene contains. */
 
 #include "input.h"
 #include "substitute_data.h"
@@ -34,7 +34,7 @@ public:
   /* Input of the next build. As in Embree, a build reads the current input, including changes since the last commit of
    * the geometry: buffers that an application replaced may no longer exist. */
   Input input;
-  /* A commit requires a new build, except after appearance changes only: of masks, filters or user data. */
+  /* A commit requires a new build, unless only masks, filters or user data changed: AppearanceChange. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
   /* Commits the geometry. The next commit of a scene builds it if necessary. */

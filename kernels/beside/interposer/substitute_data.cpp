@@ -17,13 +17,13 @@ namespace {
 
 constexpr size_t maxSubstitutes = size_t(1) << 20;   // reserves address space, not memory
 
-struct FreeEntry { FreeEntry* next; }; // takes the place of a deleted SubstituteData
+struct FreeEntry { FreeEntry* next; }; // stored in place of a deleted SubstituteData
 
 struct RangeMutex : std::mutex {}; // a type of its own: immortal() creates one object per type
 std::mutex& mutex() { return immortal<RangeMutex>(); }
 
 FreeEntry* firstFree = nullptr;
-size_t numUsed = 0;                    // used entries from the start of the range, including free ones
+size_t numEverUsed = 0;                // entries from the start of the range that are or were in use
 std::atomic<bool> hasAny{false};       // stays true
 
 } // namespace
@@ -43,7 +43,7 @@ SubstituteData* newSubstituteData()
   }
   SubstituteData* data = (SubstituteData*)firstFree;
   if (firstFree) firstFree = firstFree->next;
-  else if (numUsed < maxSubstitutes) data = (SubstituteData*)substituteDataRange.begin.load() + numUsed++;
+  else if (numEverUsed < maxSubstitutes) data = (SubstituteData*)substituteDataRange.begin.load() + numEverUsed++;
   else return nullptr;
   std::memset((void*)data, 0, sizeof(SubstituteData));
   hasAny = true;

@@ -50,10 +50,7 @@ namespace embree
       tbb::parallel_for(size_t(0),size_t(1),size_t(1),[&] (size_t) { closure(); },context);
 #endif
     }
-  }
 
-  namespace
-  {
     /*! Marks a geometry while its commit builds blocks. The application's displacement and progress functions must not
      *  commit it then, because that would replace input that is being read. */
     class BuildScope
@@ -183,7 +180,7 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Ends the commit of the SurfaceState. If the geometry is compressed, releases its input and has no blocks,
+    /*! Ends the commit of the SurfaceState. If the geometry is compressed, must release its input and has no blocks,
      *  builds them and returns true: the caller must then release the input. */
     bool buildBlocksNow (CompressibleGeometry* geometry)
     {

@@ -69,7 +69,7 @@ namespace embree
       Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
       {
         std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
-        std::vector<size_t> firsts; // first box of every 64 blocks
+        std::vector<size_t> firsts; // index of the first box of every 64 blocks
         size_t n = 0;
         for (size_t i=begin; i<blocks.size(); i++) {
           if ((i-begin) % 64 == 0) firsts.push_back(n);

@@ -99,7 +99,7 @@ namespace embree
       }
     }
 
-    /*! T: double, or int to reject fractions and numbers out of its range. */
+    /*! T: float or int. Rejects numbers out of its range, and fractions of int. */
     template<typename T>
     bool isNumber (const std::string& text)
     {
@@ -121,7 +121,8 @@ namespace embree
     {
       const std::string prefix = "invalid value \"" + value + "\" of " + key.name + ": ";
       if (value.empty()) return prefix + "expected " + key.name + "=<value>";
-      if (key.value == Value::Number) return isNumber<double>(value) ? "" : prefix + "expected a number";
+      if (key.value == Value::Number)
+        return isNumber<float>(value) && value[0] != '-' ? "" : prefix + "expected a number, 0 or more";
       if (key.value == Value::Integer) return isNumber<int>(value) ? "" : prefix + "expected an integer of 32 bits";
       if (key.value == Value::Name) return isName(value) ? "" : prefix + "expected a name";
       const std::vector<std::string> accepted = acceptedValues(key.value);

@@ -66,7 +66,7 @@ namespace cvert
     if ((g.surface & firstFileNumber) == 0 || ((g.surface & movingSurface) != 0) != moves || g.surface == ~0u)
       return Reason::damaged("its surface number % is out of range",g.surface);
     if (g.reserved[0] || g.reserved[1]) return Reason::unsupported("reserved values of its record are set: expected 0");
-    const bool isEmpty = !(g.lower[0] <= g.upper[0] && g.lower[1] <= g.upper[1] && g.lower[2] <= g.upper[2]);
+    const bool isEmpty = g.lower[0] > g.upper[0] || g.lower[1] > g.upper[1] || g.lower[2] > g.upper[2];
     if (g.numBlocks && !isEmpty && !areBounds(g.lower,g.upper)) return Reason::damaged("its bounds are not finite");
     if (g.numBlocks && isEmpty && !moves)
       return Reason::damaged("its bounds are empty, but it has % blocks",g.numBlocks);

@@ -77,7 +77,7 @@ namespace cvert { inline namespace CVERT_ISA
     return record;
   }
 
-  /*! Version and kind in MeshHeader::counts. MeshHeader::info has meshTagOfInfo(). */
+  /*! Version and kind in MeshHeader::counts. MeshHeader::info contains meshTagOfInfo(). */
   inline uint32_t movingMeshTagOfCounts () { return meshTagOfCounts() | 1u << 15; }
 
   /*! Requires a valid block. */

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects leaves in full precision: runs of triangles of Embree's triangle meshes, and up to 2 x 2 quads of
+/* Intersects leaves that are not compressed: runs of triangles of Embree's triangle meshes, and up to 2 x 2 quads of
  * GRID. */
 
 #ifndef CBVH_MESHES_GLSL
