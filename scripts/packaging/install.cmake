@@ -79,6 +79,9 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   endforeach()
   file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/man/man1")
   add_custom_target(cbvh_program_pages ALL DEPENDS ${pages})
+  if(CBVH_EMBREE_TOOLS AND CBVH_PACKAGES)
+    list(APPEND pages "${CMAKE_CURRENT_LIST_DIR}/embree_tutorials.1") # staging.cmake links the programs' names to it
+  endif()
   install(FILES ${pages} DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT examples)
 endif()
 

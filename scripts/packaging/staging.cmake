@@ -38,6 +38,17 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     run(gzip -9 -n "${page}")
   endforeach()
 
+  # Embree's programs share a page.
+  set(programs "")
+  if(EXISTS "${folder}/usr/share/man/man1/embree_tutorials.1.gz")
+    file(GLOB programs RELATIVE "${folder}/usr/bin" "${folder}/usr/bin/*")
+  endif()
+  foreach(program IN LISTS programs)
+    if(NOT EXISTS "${folder}/usr/share/man/man1/${program}.1.gz")
+      file(CREATE_LINK embree_tutorials.1.gz "${folder}/usr/share/man/man1/${program}.1.gz" SYMBOLIC)
+    endif()
+  endforeach()
+
   # --- binaries -------------------------------------------------------------------------------------
 
   file(GLOB_RECURSE files LIST_DIRECTORIES false
@@ -67,8 +78,12 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     "  * The file CHANGELOG.md of the sources lists the changes.\n\n -- ${CPACK_CBVH_SIGNATURE}\n")
   run(gzip -9 -n "${changelog}")
 
-  # Lines of lintian-overrides that begin with the package's name.
+  # Lines of lintian-overrides that begin with the package's name. Overrides of files that do not exist are findings.
   file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/lintian-overrides" overrides REGEX "^${package}: ")
+  file(GLOB interposer "${folder}/usr/lib/*/libembree_cbvh_interposer.so")
+  if(NOT interposer)
+    list(FILTER overrides EXCLUDE REGEX "interposer")
+  endif()
   if(overrides)
     list(JOIN overrides "\n" overrides)
     file(WRITE "${folder}/usr/share/lintian/overrides/${package}" "${overrides}\n")
