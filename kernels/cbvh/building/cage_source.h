@@ -76,7 +76,7 @@ namespace embree
           });
       }
 
-      /*! A face that has a surface at no step is skipped without an error, as in Embree. Invalid quads come from
+      /*! A face that has no surface at any step is skipped without an error, as in Embree. Invalid quads come from
        *  displacement functions, and from control vertices that are not finite at some of the steps. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 

@@ -88,7 +88,7 @@ namespace embree
       };
 
     private:
-      static const size_t quadsPerTask = 1 << 14; //!< on average, a task has at most these plus one grid
+      static const size_t quadsPerTask = 1 << 14; //!< a task has at most this many on average, plus one grid
 
       template<typename Value>
       size_t sumOverGrids (const Value& value) const

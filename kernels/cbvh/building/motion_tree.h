@@ -4,7 +4,7 @@
 #pragma once
 
 /* Tree over the moving blocks of a scene: Embree's BVH4 for motion blur, with boxes that are linear in time and nodes
- * that split the time range. Boxes contain the blocks also in the floats of traversal (see Planes). */
+ * that split the time range. Boxes contain the blocks also in the floats of traversal (see MovingPlane). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -73,7 +73,7 @@ namespace embree
           BVHBuilderMSMBlur::build<NodeRef>(prims,all,device,recalculate,FastAllocator::Create(&memory),createNode,
             SetNode(),createLeaf,monitor,settings);
         for (int k=0; k<3; k++) {
-          const Planes lower(root.lbounds.bounds0.lower[k],root.lbounds.bounds1.lower[k],root.dt,false),
+          const MovingPlane lower(root.lbounds.bounds0.lower[k],root.lbounds.bounds1.lower[k],root.dt,false),
             upper(root.lbounds.bounds0.upper[k],root.lbounds.bounds1.upper[k],root.dt,true);
           bounds.bounds0.lower[k] = lower.at0; bounds.bounds1.lower[k] = lower.at0+lower.difference;
           bounds.bounds0.upper[k] = upper.at0; bounds.bounds1.upper[k] = upper.at0+upper.difference;
@@ -101,8 +101,8 @@ namespace embree
         }
 
       private:
-        /*! Widens a range, because Embree's builder omits a block from a part of the time if it ends at most 1e-4 times
-         *  its end after the part's beginning, or begins as close to the part's end. */
+        /*! Widens a range: Embree's builder omits a block from a part of the time if 0.9999 times its end is not
+         *  after the part's beginning, or 1.0001 times its beginning is not before the part's end. */
         static BBox1f widened (const BBox1f& range) {
           return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,
             range.upper < 1.0f ? range.upper*1.0002f : range.upper);
@@ -203,12 +203,12 @@ namespace embree
        *  is not fused, and the stored difference by 1. The block derives its position between two steps from the ray's
        *  time with 4 roundings, each worth at most the difference; shaders' quotient, off by up to 2.5 ulps, adds 4.
        *  The vertices at that position are rounded by 3. The total is less than 16. */
-      struct Planes
+      struct MovingPlane
       {
         float at0, difference;
 
         /*! Extrapolates from the ends of a range to times 0 and 1. */
-        Planes (double begin, double end, const BBox1f& range, bool isUpper)
+        MovingPlane (double begin, double end, const BBox1f& range, bool isUpper)
         {
           const double slope = (end-begin)/(double(range.upper)-double(range.lower)),
             from = begin - slope*double(range.lower);
@@ -231,7 +231,7 @@ namespace embree
             node->setRef(i,child.ref);
             vfloat4* const planes = &node->lower_x; // lower and upper planes per axis, then their differences
             for (int k=0; k<3; k++) {
-              const Planes lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false),
+              const MovingPlane lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false),
                 upper(child.lbounds.bounds0.upper[k],child.lbounds.bounds1.upper[k],child.dt,true);
               planes[2*k][i] = lower.at0; planes[2*k+6][i] = lower.difference;
               planes[2*k+1][i] = upper.at0; planes[2*k+7][i] = upper.difference;

@@ -41,7 +41,7 @@ namespace embree
        *  of the geometries. */
       CompressedFileWriter (Device* device, const char* path, uint64_t key);
 
-      /*! Keeps an uncommitted file with a key and geometries, also of earlier writers. Removes others. */
+      /*! Removes an uncommitted file, unless it has a key, and geometries of this or an earlier writer. */
       ~CompressedFileWriter ();
 
       CompressedFileWriter (const CompressedFileWriter&) = delete;

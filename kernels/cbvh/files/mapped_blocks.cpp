@@ -70,10 +70,10 @@ namespace embree
         const ThreadCopy* const own = threadCopy;
         if (likely(own && own->generation == generation.load(std::memory_order_acquire) && own->last.contains(block)))
           return own->last.blocks->isValid(block,format);
-        return find(block,format);
+        return findAndCheck(block,format);
       }
 
-      static bool find (const void* block, BlockFormat format)
+      static bool findAndCheck (const void* block, BlockFormat format)
       {
         struct Owner { ~Owner () { delete threadCopy; threadCopy = nullptr; } };
         if (!threadCopy) {
