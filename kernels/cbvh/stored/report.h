@@ -45,7 +45,7 @@ namespace embree
     MutexSys mutex; //!< protects errors
   };
 
-  /*! A scene's acceleration structure with a CompressedTree (api/factory.h). */
+  /*! A scene's acceleration structure with a CompressedTree (compressed_tree.h). */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -84,13 +84,13 @@ namespace embree
       };
 
       /*! A decoded block of cVERT or cGRID whose quads belong to one primitive. */
-      struct DecodedBlock
+      struct ParametrizedBlock
       {
         const BlockPosition position;
         std::vector<std::array<float,3>> vertices;   //!< row by row
         std::vector<std::array<float,2>> parameters;
 
-        DecodedBlock (const StoredBlock& stored, const TraversalTime& time) : position(stored)
+        ParametrizedBlock (const StoredBlock& stored, const TraversalTime& time) : position(stored)
         {
           const uint32_t width = position.quads[0]+1, count = width*(position.quads[1]+1);
           vertices.resize(count);
@@ -216,7 +216,7 @@ namespace embree
                 double(position.patchQuads[d])/std::min(vertRate(position.edges,d),vertRate(position.edges,d+2));
             if (!(x[d] >= -margin[d] && x[d] <= position.quads[d]+margin[d])) return;
           }
-          const DecodedBlock decoded(block,time);
+          const ParametrizedBlock decoded(block,time);
           const uint32_t x0 = first(x[0]-margin[0]), x1 = last(x[0]+margin[0],position.quads[0]),
             y0 = first(x[1]-margin[1]), y1 = last(x[1]+margin[1],position.quads[1]);
           tolerance = std::max(roundingBound(u)*position.patchQuads[0],roundingBound(v)*position.patchQuads[1]);
@@ -416,7 +416,7 @@ namespace embree
           part.width = position.quads[0]+1;
           part.height = position.quads[1]+1;
           if (!block.areQuadsPrimitives()) {
-            const DecodedBlock decoded(block,time);
+            const ParametrizedBlock decoded(block,time);
             part.vertices = decoded.vertices[0].data();
             part.parameters = decoded.parameters[0].data();
             return closure(block,part);

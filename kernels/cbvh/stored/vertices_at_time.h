@@ -93,7 +93,7 @@ namespace embree
 
       const bool isFused;
       float fraction;
-      std::unique_ptr<const MeshStepView> before, after; //!< null before: first step; null after: no motion
+      std::unique_ptr<const MeshStepView> before, after; //!< null without motion; `before` also in the first segment
     };
   }
 }

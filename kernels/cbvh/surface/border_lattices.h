@@ -53,7 +53,7 @@ namespace embree
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! Extends the bounds to which maxPixelError applies. addLine() has added its vertices. */
+      /*! Extends the bounds to which maxPixelError applies. Lines of addLine() are included anyway. */
       void extendBounds (const cbvh::WorldBounds& other) { bounds.extend(other); }
       void extendBounds (const float p[3]) { if (cbvh::isFinite(p)) bounds.extend(p[0],p[1],p[2]); }
 

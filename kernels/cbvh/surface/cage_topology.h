@@ -11,8 +11,8 @@
  *          face B             claim is the index of a half-edge.
  *
  * The half-edges of a non-manifold edge, with three or more faces, have no opposite. Faces that do not participate
- * count. Embree keeps the edge's vertices
- * in place, so before displacement it is straight and equal in all faces. All share it and its two corners.
+ * also count. Embree keeps the edge's vertices in place, so before displacement it is straight and equal in all faces.
+ * All share it and its two corners.
  * If two faces have opposite winding, the half-edges of their edge have no opposite either: Embree treats them as
  * borders. They are shared if both faces evaluate the same border. */
 

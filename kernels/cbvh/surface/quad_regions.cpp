@@ -45,7 +45,7 @@ namespace embree
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
       /*! The bits above USED are the last pass in which a region that began here was too small. Unless seeds are
-       *  corners, all quads of such a region get it, so that a pass visits each quad once, even in narrow strips. */
+       *  corners, all quads of such a region store it, so that a pass visits each quad once, even in narrow strips. */
       enum Flags : uint8_t { USED = 1, PASS = 2 };
       /*! EDGES: quads without a free quad on the left, or without one below. */
       enum Seeds { CORNERS, EDGES, ALL };

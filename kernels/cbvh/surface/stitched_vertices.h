@@ -11,8 +11,8 @@
  *
  * An open edge occurs only once on the borders of all grids. If other open edges lie on an open edge from p to q with
  * shared ends, and lead from p to q, the vertices between are stored on the edge between the stored p and q. They must
- * lie on it at all time steps, except for the application's rounding. If that is large compared with max_error, this
- * would move a vertex farther than max_error; then it is rounded to its lattice, and the gap remains. */
+ * lie on it at all time steps, except for the application's rounding. If storing a vertex there would move it farther
+ * than max_error, it is rounded to its lattice instead, and the gap remains. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -97,8 +97,8 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! Order by the positions at all time steps: independent of threads, unlike the order of entries. Strict, and
-       *  weak for entries without NaN. */
+      /*! Order by the positions at all time steps: independent of threads, unlike the order of entries. A strict
+       *  weak order of entries without NaN. */
       bool isBefore (Entry a, Entry b) const
       {
         for (unsigned step=0; step<numSteps; step++) {

@@ -350,7 +350,7 @@ namespace embree
       cbvh::UnmonitoredVector<unsigned> ends;      //!< counting sort: end, later begin, of each vertex's range
       cbvh::UnmonitoredVector<SortedHalfEdge> halves; //!< by lower vertex
       cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
-      cbvh::UnmonitoredVector<unsigned> partners;  //!< second triangle of a first one; `second` for a second; none
+      cbvh::UnmonitoredVector<unsigned> partners;  //!< a first triangle's second one; otherwise `second` or `none`
     };
 
     /*! Decides whether the search for grids is worthwhile, by the number of triangles per vertex: six in a regular
