@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of packets and streams, instantiated for one instruction set, with the hits of single rays. Rays
+/* Intersectors of packets and streams, instantiated for one instruction set, with the same hits as single rays. Rays
  * traverse the top-level BVH and blocks together if the context is coherent, otherwise one by one, and always one by
  * one through moving blocks, because their times differ. */
 

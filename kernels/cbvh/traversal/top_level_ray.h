@@ -42,11 +42,11 @@ namespace embree
       }
 
       /*! Factors of reciprocals for the distances at which rays enter and leave boxes: 3 ulps as in Embree, so that
-       *  grids of GRID have the hits that they have in Embree's own tree. No lost ray is known. A proof that rounding
-       *  culls no box with a triangle in front of the ray that cvert/rule/rule.h hits needs 7 half ulps of the
-       *  hit's distance on the direction's largest axis: the rule shears the other axes with two roundings, and
-       *  rounds sheared vertices by at most 2. The distance to a plane has three: reciprocal, factor and product. Its
-       *  difference has none, because the vertex has the same one. */
+       *  grids of GRID have the hits that they have in Embree's own tree. No lost ray is known. A proof that traversal
+       *  culls no box of a triangle that cvert/rule/rule.h hits in front of the ray would need 3.5 ulps. Half ulps of
+       *  the hit's distance on the direction's largest axis: 2 for the shear of the other axes, at most 2 for rounding
+       *  sheared vertices, and 3 for the distance to a plane (reciprocal, factor, product). Subtracting the origin
+       *  adds none, because planes and vertices round the same way. */
       static constexpr float nearFactor = 1.0f-3.0f*std::numeric_limits<float>::epsilon();
       static constexpr float farFactor = 1.0f+3.0f*std::numeric_limits<float>::epsilon();
 

@@ -90,7 +90,7 @@ namespace embree
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
       uint8_t bits[3][16];        //!< bits of a field: [axis][group]
-      uint32_t base[3][16];       //!< residual minus field: [axis][group]
+      uint32_t base[3][16];       //!< added to each field: [axis][group]
     };
 
     /*! Entry of a block in a segment. [e]: 0 for the beginning and 1 for the end of the segment. `planes` are not

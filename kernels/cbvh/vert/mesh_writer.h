@@ -52,7 +52,7 @@ namespace embree
           [&](size_t bytes, uint32_t first, uint32_t count) { commitBlock(bytes,triangles+first,count); });
       }
 
-      /*! Calls storePrimitive(i) for each primitive i of a cluster, which must add the number of triangles that it
+      /*! Calls storePrimitive(i) for each primitive i of a cluster. The call must add the number of triangles that it
        *  stores to numTriangles. Returns the groups of the stored triangles. */
       template<typename StorePrimitive>
       static cbvh::MeshGroups storeGroups (const cbvh::MeshGroups& groups, const uint32_t& numTriangles,
