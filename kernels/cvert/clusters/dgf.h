@@ -50,7 +50,7 @@ namespace cvert
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! For a grid of quads as one strip, which uses each inner vertex twice. */
+    /*! hasRoom() for a grid of quads as one strip, which uses each inner vertex twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
@@ -68,9 +68,9 @@ namespace cvert
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! Encodes a cluster of at least one triangle. primitives: primitive number of its first triangle, below
+      /*! Encodes a cluster of at least one triangle. firstPrimitive: number of its first triangle, below
        *  maxPrimitives. Returns false if there is no room or offsets do not fit. */
-      bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
+      bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t firstPrimitive)
       {
         if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
         numTriangles = cluster.numTriangles;
@@ -90,7 +90,7 @@ namespace cvert
         writeWord(bytes+4,points.exponent | uint32_t(span.lower[0]) << 8);
         writeWord(bytes+8,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
         writeWord(bytes+12,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
-        writeWord(bytes+16,primitives);
+        writeWord(bytes+16,firstPrimitive);
         size_t position = 8*headerBytes;
         for (uint32_t i=0; i<numVertices; i++)
           for (int k=0; k<3; k++) {

@@ -96,8 +96,8 @@ namespace cvert { inline namespace CVERT_ISA
           for (uint32_t i=0; i<=uint32_t(cell.quadsX); i++) {
             const uint32_t vertex = vertexIndexInBlock(block->region,gx,gy,i,j);
             for (int k=0; k<3; k++) {
-              const float at = latticeVertex(view,k,group[5*j+i][k]);
-              vertices[vertex][k] = view.remainders == 0 ? at : addRemainder(view,vertex,k,at);
+              const float onLattice = latticeVertex(view,k,group[5*j+i][k]);
+              vertices[vertex][k] = view.remainders == 0 ? onLattice : addRemainder(view,vertex,k,onLattice);
             }
           }
         at += cellBytes(cell.word);

@@ -62,7 +62,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
 
-    static Reason validateCells(uint32_t word, const uint32_t corners[6])
+    static Reason validateFirstCell(uint32_t word, const uint32_t corners[6])
     {
       const VertSpacing spacing = vertSpacing(word,corners);
       for (float x : spacing.at)
@@ -78,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
       end = layout.rawBytes;
       if (isRaw(header.info))
         return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
-      if (const Reason reason = validateCells(header.word,header.corners)) return reason;
+      if (const Reason reason = validateFirstCell(header.word,header.corners)) return reason;
       if (!hasValidSlopes(header.info))
         return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
       if (bytes < layout.cell)
@@ -158,7 +158,7 @@ namespace cvert { inline namespace CVERT_ISA
       end = at.rawBytes;
       if (isRaw(step.info))
         return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
-      if (const Reason reason = validateCells(step.word,step.corners)) return reason;
+      if (const Reason reason = validateFirstCell(step.word,step.corners)) return reason;
       if (!hasValidSlopes(step.info))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
       if (isRaw(header.info) && ((step.rotation & 65535u) || isFirstCellRotated(step.info)))

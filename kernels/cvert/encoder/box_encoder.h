@@ -112,9 +112,9 @@ namespace cvert { inline namespace CVERT_ISA
           ratio[i] = shear.slopes[i] == 0 ? 0 : block.exponent[next[i]] - block.exponent[m];
           shift = uint32_t(std::max(int(shift),4-ratio[i]));
         }
-        double largest = std::ldexp(coordinatesOf(block,m),int(shift));
+        double largest = std::ldexp(coordinateBound(block,m),int(shift));
         for (int i=0; i<2; i++)
-          largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(block,next[i]),int(shift)+ratio[i]-4);
+          largest += std::abs(shear.slopes[i])*std::ldexp(coordinateBound(block,next[i]),int(shift)+ratio[i]-4);
         if (!(largest < double(1 << 22))) return false;
 
         const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+ratio[0])),
@@ -133,7 +133,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
 
     private:
-      static double coordinatesOf (const BlockVertices& block, uint32_t k) {
+      static double coordinateBound (const BlockVertices& block, uint32_t k) {
         return std::ldexp(double(block.upper[k])-double(block.origin[k]),-block.exponent[k]) + 1;
       }
     };

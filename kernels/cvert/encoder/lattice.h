@@ -96,7 +96,7 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     void add(const float (*line)[3], size_t count)
     {
-      if (squares.capacity() < squares.size()+count) squares.reserve(3*(squares.size()+count)); // three lines
+      if (squares.capacity() < squares.size()+count) squares.reserve(3*(squares.size()+count)); // for three lines
       for (size_t i=0; i<count; i++)
       {
         for (int k=0; k<3; k++)

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Splits triangles into clusters of up to 256, usually one per block, and these into groups, recursively by the surface
- * area heuristic: a split minimizes the sum over both parts of surface area times cost, the number of clusters or
- * groups that a part needs. Parts of more than 512 triangles are split at borders of bins, smaller ones at the best of
+ * area heuristic: a split minimizes the sum over both parts of surface area times the number of needed clusters or
+ * groups. Parts of more than 512 triangles are split at borders of bins, smaller ones at the best of
  * all positions in the order of centers on an axis. Bounds have 16 bits per plane, and sums are exact integers, so that
  * all processors find the same clusters. */
 

@@ -15,7 +15,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Maps positions to lattices (levels) other than the first. A hash table with open addressing, because in a mesh of
+  /*! Positions with a level other than 0, see MeshLattice. A hash table with open addressing, because in a mesh of
    *  needles most vertices are exceptions. */
   class MeshExceptions
   {
@@ -121,7 +121,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if refine() changes vertices of the triangle. */
+    /*! True if refine() raises levels of the triangle's corners. */
     bool flips (const float a[3], const float b[3], const float c[3]) const
     {
       if (isLossless || isRobust(a,b,c)) return false;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Orders the triangles of a group as generalized strips, see format/mesh_block.h. Greedy: the next triangle is
- * the one with the fewest neighbors in no strip. */
+/* Orders the triangles of a group as generalized strips, see format/mesh_block.h. Greedy: the next triangle has
+ * the fewest neighbors that no strip contains yet. */
 
 #include "../format/mesh_block.h"
 #include <cstring>

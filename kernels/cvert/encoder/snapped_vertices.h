@@ -26,8 +26,8 @@ namespace cvert { inline namespace CVERT_ISA
     return reduceMax(lessThan(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
-  /*! Smallest magnitude of the dot product of two normals, in floats, from which underflow cannot change its sign. It
-   *  has the fourth power of an edge's length. */
+  /*! Smallest magnitude of the dot product of two normals, in floats, from which underflow cannot change its sign. Its
+   *  unit is the fourth power of a length. */
   CVERT_CONSTANT float minNormalDot = 1e-30f;
 
   /*! Computes, in double precision, if the normal of triangle (a,b,c) turned by more than 90 degrees. */

@@ -20,16 +20,16 @@
 namespace cvert
 {
   /*! While it exists, writes of this thread beyond the limit on file sizes fail with EFBIG and raise no SIGXFSZ. */
-  class FileSizeLimit
+  class FileSizeSignalMask
   {
   public:
-    FileSizeLimit ()
+    FileSizeSignalMask ()
     {
       sigemptyset(&signal);
       sigaddset(&signal,SIGXFSZ);
       pthread_sigmask(SIG_BLOCK,&signal,&before);
     }
-    ~FileSizeLimit ()
+    ~FileSizeSignalMask ()
     {
       if (sigismember(&before,SIGXFSZ)) return;
       const int error = errno;
@@ -38,8 +38,8 @@ namespace cvert
       pthread_sigmask(SIG_SETMASK,&before,nullptr);
       errno = error;
     }
-    FileSizeLimit (const FileSizeLimit&) = delete;
-    FileSizeLimit& operator= (const FileSizeLimit&) = delete;
+    FileSizeSignalMask (const FileSizeSignalMask&) = delete;
+    FileSizeSignalMask& operator= (const FileSizeSignalMask&) = delete;
 
   private:
     sigset_t signal, before;
@@ -50,7 +50,7 @@ namespace cvert
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
-    const FileSizeLimit limit;
+    const FileSizeSignalMask mask;
     for (size_t done=0; done<bytes; )
     {
       const ssize_t n = put((const char*)data+done,std::min(bytes-done,size_t(1) << 30),done);
@@ -109,7 +109,7 @@ namespace cvert
       removeStale(folder,prefix);
     }
 
-    /*! Creates or opens a file that a later process can continue: the final name and `suffix`. Throws
+    /*! Creates or opens a file that a later process can continue. Its name is the final name plus `suffix`. Throws
      *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
     UnfinishedFile (const OutputPath& output, const std::string& suffix) : output(output), isPersistent(true)
     {
@@ -136,7 +136,7 @@ namespace cvert
     void setPersistent (bool isPersistent) { this->isPersistent = isPersistent; }
 
     /*! Copies permissions, and the owner if permitted, of the file that this one replaces. Copies the set-user-ID,
-     *  set-group-ID and sticky bits (07000) only with the group. */
+     *  set-group-ID and sticky bits (07000) only if it could copy the group. */
     void copyPermissions ()
     {
       if (output.kind != OutputPath::REGULAR) return;
