@@ -224,8 +224,8 @@ CVERT_FUNCTION ShearedBounds decodeBounds (uint32_t info, uint32_t encoded, uint
 
 /*! Upper bound, on any axis, of the distance from the origin to vertices and planes of boxes. Slopes are less than 1,
  *  so no vertex is farther than the sum of the bounds; margins may double this. In a moving block, a plane may be even
- *  farther, but is then farther from the vertices than it rounds. One bound for all axes, because the shear of a ray
- *  mixes their rounding errors. */
+ *  farther, but its distance from the vertices then exceeds its rounding error. One bound for all axes, because the
+ *  shear of a ray mixes their rounding errors. */
 CVERT_FUNCTION float extentOfBounds (ShearedBounds bounds) {
   return 2.0f*(maximum(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }

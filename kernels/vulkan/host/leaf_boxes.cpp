@@ -92,10 +92,10 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* Distance by which boxes must grow for rounding errors of drivers. In half ulps, 2^-24 of a plane's distance D: 7 for
- * (plane - origin)*(1/direction) with a quotient that is off by up to 2.5 ulps, and up to 9 for the shear of the rule,
- * which has such a quotient too. Together D 2^-20. 2^-15 of the largest coordinate suffices for rays that start 20
- * times as far away, with a margin for transforming the ray. */
+/* Distance by which boxes must grow for rounding errors of drivers. Errors, in units of 2^-24 D for a plane at distance
+ * D: 7 for (plane - origin)*(1/direction) with a quotient that is off by up to 2.5 ulps, and up to 9 for the shear of
+ * cvert/rule/rule.h, which has such a quotient too. The sum is 2^-20 D. 2^-15 of the largest coordinate suffices for
+ * rays that start 20 times as far away, with a margin for transforming the ray. */
 float roundingSlack(const Bounds& all)
 {
   float largest = 0;

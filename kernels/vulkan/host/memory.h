@@ -60,8 +60,8 @@ class Uploader
 public:
   explicit Uploader(Device& device) : device(device) {}
 
-  /* Copies the data at once; the device has it after flush(). The buffer must exist until then. offset: bytes from the
-   * start of the slice. */
+  /* Reads the data during the call; the device has it after flush(). The buffer must exist until then. offset: bytes
+   * from the start of the slice. */
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
 
   /* Completes the writes and waits. */
@@ -84,7 +84,7 @@ class Arena
 public:
   explicit Arena(Device& device) : device(device) {}
 
-  /* Allocates a slice. what: contents, for messages. */
+  /* what: contents, for messages. */
   Slice allocate(size_t bytes, const char* what);
 
   size_t bytes() const;

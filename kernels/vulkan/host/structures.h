@@ -81,7 +81,7 @@ struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 /* Updates or builds the levels that are NULL, once per key, and adds them to the device. */
 BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests);
 
-/* Builds a top level. instances: device address of VkAccelerationStructureInstanceKHR. */
+/* instances: device address of VkAccelerationStructureInstanceKHR. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
 }} // namespace embree::vulkan

@@ -3,7 +3,7 @@
 
 /* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h): decodes the boxes of all groups. In groups
  * whose boxes the ray hits, nearest first, finds candidate triangles while it decodes vertices in the order of the
- * strips, then tests these exactly. */
+ * strips, then tests the candidates exactly. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -83,9 +83,9 @@ bool cbvhIsMeshSheared (uint info) { return meshSlope(info, 1u) != 0 || meshSlop
 struct CbvhMeshAxes
 {
   int sheared;               // sheared axis; 3 if there is none
-  bool isBounded;            // boxes bound the sheared coordinate
-  vec3 extent;               // upper bound, from the block's origin; 0 on an axis of ranks
-  float org, rcp, error;     // ray along the sheared coordinate
+  bool isBounded;            // boxes clip the sheared ray, see cbvhMaxMeshRatio
+  vec3 extent;               // bound of distances from the block's origin; 0 on an axis of ranks
+  float org, rcp, error;     // of the sheared ray; error: shearedSlack
 };
 
 /* Exponent of the largest ratio of spacings for which the sheared coordinate clips rays. */

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a cVERT block, as kernels/cvert/rule/rule.h defines. Decodes a row of vertices of a static
- * block, or a group of a moving block, at a time. Tests in float select candidates, which are then tested exactly. */
+/* Intersects a ray with a cVERT block, as kernels/cvert/rule/rule.h defines. Decodes vertices row by row, or group by
+ * group if the block moves. Tests in float select candidates, which are then tested exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL

@@ -32,8 +32,8 @@ struct CbvhVertAxes
 {
   uint info;
   vec3 origin;
-  float extent;              // upper bound, from the block's origin
-  float org, rcp, error;     // ray along the sheared coordinate
+  float extent;              // extentOfBounds
+  float org, rcp, error;     // of the sheared ray; error: shearedSlack
 };
 
 /* Factor of world axis k in the sheared coordinate. */

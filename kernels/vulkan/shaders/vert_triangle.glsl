@@ -25,7 +25,7 @@ CbvhShear cbvhShear (vec3 dir)
   CbvhShear shear;
   shear.kz = largestAxis(a.x, a.y, a.z);
   vec3 d = cbvhPermuteAxes(shear.kz, dir);
-  precise float sz = 1.0/d.z; // the same for all kinds of blocks
+  precise float sz = 1.0/d.z; // the same rounding for all kinds of blocks
   precise vec2 slopes = d.xy*sz;
   shear.sx = slopes.x;
   shear.sy = slopes.y;
