@@ -24,9 +24,12 @@ check() {
   [ -z "$others" ] || { echo "$file includes $others"; failed=1; }
 }
 
+# the ISAs of other processors
+case $("$compiler" -dumpmachine) in aarch64*) foreign="sse avx" ;; *) foreign=neon ;; esac
+
 count=0
 for file in cvert/*/*.h cvert/*/*.cpp; do
-  case $("$compiler" -dumpmachine) in aarch64*) ;; *) case $file in *_neon.h) continue ;; esac ;; esac
+  for isa in $foreign; do case $file in *_$isa.h) continue 2 ;; esac; done
   count=$((count + 1))
   check "$file"
   case $file in
