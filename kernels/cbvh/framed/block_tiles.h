@@ -55,7 +55,7 @@ namespace embree
           return tile;
         }
 
-        /*! True if the entry still contains tile `number` of this block; isDecoded(): with grandchild `child`. */
+        /*! True if the entry still contains tile `number` of this block; isDecoded(): and its grandchild `child`. */
         __forceinline bool isCached (const Tile& tile, uint32_t number) const {
           return tile.block == block && tile.number == number;
         }

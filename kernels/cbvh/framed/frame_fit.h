@@ -45,9 +45,9 @@ namespace embree
      *  floats, at least half of it remains: twice containmentSlack (node.h). */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! Assumed bound of the distance between two faces' evaluations of a shared vertex, which take about twenty float
-     *  operations each, relative to the largest absolute coordinate. Bounds are widened by it, so that the bounds of
-     *  neighboring blocks overlap. */
+    /*! Assumed bound of the distance between two faces' evaluations of a shared vertex, relative to the largest
+     *  absolute coordinate. Each takes about twenty float operations. Bounds are widened by this distance, so that the
+     *  bounds of neighboring blocks overlap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
     /*! Smallest extent of a box relative to its largest: keeps maps of flat blocks and needles invertible. If this
@@ -210,8 +210,8 @@ namespace embree
     };
 
     /*! Scales X, Y and Z so that the vertices fill the box. First widens their bounds by vertexRounding as if W were
-     *  constant, and extents below minExtentRatio of the block's world-space size, or below the resolution of floats,
-     *  to that size. Returns true if x or y was that small (Frame::degenerate). origin: world position to which the
+     *  constant, and each extent to at least minExtentRatio of the block's world-space size and the resolution of
+     *  floats. Returns true if x or y was smaller than that (Frame::degenerate). origin: world position to which the
      *  map's points are relative. vertices: receives the widened bounds. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {

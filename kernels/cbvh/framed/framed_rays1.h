@@ -25,7 +25,7 @@ namespace embree
         /*! type: of a leaf of the top-level BVH, see base/primitive_type.h. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
-        /*! Required before intersect(). t: distance at which the ray enters the bounds of the next block. */
+        /*! Required before intersect() for closest hits. t: distance to the entry into the next block's bounds. */
         __forceinline void setEntryT (float t) { state.entryT = t; }
 
         /*! Returns true if a hit was accepted. A damaged block has no hits. */
@@ -43,7 +43,7 @@ namespace embree
           }
         }
 
-        /*! Required after the traversal: returns the ray's final tfar, see NearestHit. */
+        /*! Required after the traversal for closest hits: returns the ray's final tfar, see NearestHit. */
         __forceinline float finalTfar (float tfar) const { return state.nearest.finalTfar(tfar); }
 
       private:

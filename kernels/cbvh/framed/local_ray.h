@@ -33,9 +33,9 @@ CVERT_CONSTANT float unitUlps = 14.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 #endif
 
-/*! Distance from a box's center to its surface, relative to 1/(the smallest stretch of x, y and z). If the sides are
- *  orthogonal, the longest is at most sqrt(3) times that reciprocal. It extends half of this from the center, and 3/2
- *  ulps there are less than distanceUlps of this distance. */
+/*! Assumed radius of a box, relative to r = 1/(the smallest stretch of x, y and z). If sides are orthogonal, they are
+ *  at most sqrt(3) r long, and points at most 3/2 r from the center. Their displacement, 3/2 ulps of 3/2 r, is less
+ *  than distanceUlps of this radius. */
 CVERT_CONSTANT float relativeBoxRadius = 0.75f;
 
 /*! Represents infinity in ranges of parameters. */

@@ -26,7 +26,7 @@ namespace embree
     enum class ClusterReason : int
     {
       NONE = 0,        //!< it is not, unless floats were requested
-      FLOATS = 1,      //!< the block stores vertices with the precision of floats
+      FLOATS = 1,      //!< the block stores floats, or more than 14 bits on an axis
       MOVING = 2,      //!< the block moves, and its vertices at this time do not fit the format
       OUT_OF_RANGE = 3 //!< over 2^23 spacings from the origin, over 2^16 wide, or the spacing is below 2^-126
     };

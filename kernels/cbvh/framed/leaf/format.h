@@ -5,8 +5,8 @@
  * of heights. lattice_encoder.h and separate_encoder.h encode groups; ../node_decoder4.h is the SIMD decoder. Compiles
  * as C++ and GLSL.
  *
- * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch. Adjacent patches share
- * edges.
+ * Lattice: nine heights over three planes of x and three of y. Each of the four cells is a leaf with a bilinear
+ * patch. Adjacent patches share edges.
  *
  *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
  *       |   2   |    3   |   along its middle column and row of vertices. The surface
@@ -15,8 +15,8 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Separate leaves: for quads that fold over each other or have holes. The word is an inner node's. Each child's
- * box contains a plane of its own, is solid (the box is the surface), or is empty.
+ * Separate leaves: for quads that fold over each other, have holes or fit no lattice. The word is an inner node's. Each
+ * child's box contains a plane of its own, is solid (the box is the surface), or is empty.
  *
  * The surface of a group, widened by half a thickness up and down in z, contains its quads' edges.
  *

@@ -8,10 +8,10 @@
  *
  *   f(s) = z of the ray - z of the leaf's patch,
  *
- * is evaluated where the ray enters and leaves the leaf's box (the paper's line test, but with the root of the patch
- * instead of the line's). The ray is above where f >= 0. A box contains its quads, so the ray is also above where it
- * passes through the upper face, and below where it passes through the lower face. It hits where f changes sign, or if
- * it enters and leaves on different sides.
+ * is evaluated where the ray enters and leaves the leaf's box, as in the paper's line test. But hits are at roots of
+ * the parabola f, not of a line. The ray is above where f >= 0. A box contains its quads, so the ray is also above
+ * where it passes through the upper face, and below where it passes through the lower face. It hits where f changes
+ * sign, or if it enters and leaves on different sides.
  *
  * Patches of adjacent groups (format.h) deviate from their shared edge by up to half a thickness. So that no ray passes
  * through the step between them, a ray remembers on which side it left the last leaf, or passed the last box. It hits
@@ -65,7 +65,7 @@ struct WalkState
 {
   uint32_t side;    //!< on which it left the last leaf, or passed the last box
   bool pending;     //!< it was near the patch of the last leaf, and has not changed its side since
-  bool fromSurface; //!< it starts in a leaf, within half a thickness
+  bool fromSurface; //!< it starts in a leaf, within half a thickness of the patch
   bool found;       //!< a hit was accepted
 };
 

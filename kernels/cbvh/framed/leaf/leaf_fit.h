@@ -47,7 +47,7 @@ namespace embree
       /*! True if the patch should be stored as cVERT. */
       bool isPoor() const { return poorQuads > maxPoorQuadFraction*quads || poorEdges > maxPoorEdgeFraction*edges; }
 
-      /*! True if the patch should be stored as cVERT after only some of it was added: poor quads exceed their fraction
+      /*! True if the part added so far shows that the patch should be stored as cVERT: poor quads exceed their fraction
        *  of a sample, or poor edges their fraction of all edges. The first quarter of the quads, but at least
        *  minSampleQuads, is the sample; it must be distributed over the patch. patchQuads: quads of the patch.
        *  maxEdges: upper bound of the patch's edges. */

@@ -62,7 +62,7 @@ namespace embree
         const double margin = 1-1e-6;
         // the squared world-space thickness is thickness2/unit2
         const Double4 thickness2 = thickness*thickness, unit2 = margin*rcpW*rcpW*leaf2;
-        const double limit2 = 0.5*maxRelativeThickness*maxRelativeThickness; // for a quad of length 1
+        const double limit2 = 0.5*maxRelativeThickness*maxRelativeThickness; // if QuadNormal::length is 1
         return ((Double4(0.0) < cosine)
               & (Double4(minNormalCosine*minNormalCosine)*leaf2*quad2 < margin*cosine*cosine)
               & (thickness2*thickness2 < limit2*limit2*quad2*unit2*unit2)
