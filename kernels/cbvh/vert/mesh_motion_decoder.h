@@ -8,7 +8,6 @@
  * different spacings. The scalar references are cvert/decoder/mesh_view.h for the first step and mesh_step_view.h for
  * later steps. */
 
-#include "../../cvert/basics/double4.h"
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
 
@@ -217,29 +216,39 @@ namespace embree
           }
         }
 
+        /* Vectors of the compiler: Embree has vectors of four doubles for AVX only. */
+        typedef double Doubles __attribute__((vector_size(32)));
+        typedef float Floats __attribute__((vector_size(16)));
+        typedef int Ints __attribute__((vector_size(16)));
+        typedef uint32_t UnsignedInts __attribute__((vector_size(16)));
+
         /*! Computes positions on axis k, which has a spacing, from predictions and residuals. The same operations as in
          *  predictedPosition and predictedCoordinate. */
         static void addPredictions (const MeshStep& step, uint32_t k, const MeshVertices& first, uint32_t numVertices,
                                     const uint32_t* residuals, float* out)
         {
           const float spacing = meshSpacing(step.spacings,k);
-          const Double4 row[4] = { flushedDouble(step.map[k][0]),flushedDouble(step.map[k][1]),
-                                   flushedDouble(step.map[k][2]),flushedDouble(step.map[k][3]) };
-          const Double4 origin = flushedDouble(step.origin[k]), rcpSpacing = 1.0/double(spacing), limit = 1073741824.0;
-          const Double4 minNormalFloat = 1.1754943508222875e-38;
-          auto load = [&](const float* p) {
-            const Double4 position = Float4::load(p);
-            return select(abs(position) < minNormalFloat,Double4(0.0),position);
-          };
+          const double origin = flushedDouble(step.origin[k]), rcpSpacing = 1.0/double(spacing);
+          const Doubles zero = {}, limit = zero + 1073741824.0, minNormalFloat = zero + 1.1754943508222875e-38;
           for (uint32_t i=0; i<numVertices; i+=4)
           {
-            const Double4 x = load(first.at[0]+i), y = load(first.at[1]+i), z = load(first.at[2]+i);
-            const Double4 predicted = ((row[0]*x + row[1]*y) + row[2]*z) + row[3];
-            const Double4 real = (predicted-origin)*rcpSpacing + Double4(0.5);
-            const Double4 clamped = min(limit,max(Double4(0.0)-limit,real)); // NaN becomes the lower limit
-            const Int4 truncated = toInt(clamped);
-            const Int4 coordinate = truncated - ((clamped < toDouble(truncated)) & Int4(1)) + Int4::load(residuals+i);
-            (Float4(step.origin[k]) + toFloat(coordinate)*Float4(spacing)).store(out+i);
+            Doubles terms[3];
+            for (int axis=0; axis<3; axis++) {
+              Floats p;
+              memcpy(&p,first.at[axis]+i,sizeof(p));
+              const Doubles x = __builtin_convertvector(p,Doubles), size = x < 0.0 ? -x : x;
+              terms[axis] = flushedDouble(step.map[k][axis])*(size < minNormalFloat ? zero : x);
+            }
+            const Doubles predicted = ((terms[0]+terms[1])+terms[2]) + flushedDouble(step.map[k][3]);
+            const Doubles real = (predicted-origin)*rcpSpacing + 0.5;
+            const Doubles notLess = real > -limit ? real : -limit, clamped = notLess < limit ? notLess : limit;
+            const Ints truncated = __builtin_convertvector(clamped,Ints);
+            const Doubles correction = clamped < __builtin_convertvector(truncated,Doubles) ? zero - 1.0 : zero;
+            UnsignedInts coordinate;
+            memcpy(&coordinate,residuals+i,sizeof(coordinate));
+            coordinate += (UnsignedInts)truncated + (UnsignedInts)__builtin_convertvector(correction,Ints);
+            const Floats position = step.origin[k] + __builtin_convertvector((Ints)coordinate,Floats)*spacing;
+            memcpy(out+i,&position,sizeof(position));
           }
         }
 
