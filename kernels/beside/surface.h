@@ -28,7 +28,7 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute
-  // faces of a cage with attributes that are not quads, and their numbers of corners; sorted by face
+  // if a cage has attributes: its faces without four corners, and their numbers of corners; sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // NULL except during a commit
   void* progressPtr = nullptr;
@@ -71,7 +71,7 @@ struct CbvhSurfaceTy : embree::beside::RefCounted
   /* Compresses the pending input. Without pending input, does nothing, or throws if the surface is empty or its
    * accuracy changed. If no blocks are stored, throws; the last commit then remains current, and the input pending.
    * If blocks are stored, but Embree reports an error, makes the input current and then throws.
-   * CbvhGroupTy::commit() reports input that was left out. */
+   * CbvhGroupTy::commit() reports faces and grids that were left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
 

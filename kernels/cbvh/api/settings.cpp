@@ -224,7 +224,7 @@ namespace embree
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
-    /* Embree ignores unknown keys. They are errors if subdiv_accel, or a misspelled key, requests compression. */
+    /* Embree ignores unknown keys. They are errors if subdiv_accel, or their value, requests compression. */
     for (const auto& entry : unknownKeys)
       if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
         throwInvalid("the device string",entry.first,

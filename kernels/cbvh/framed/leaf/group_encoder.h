@@ -27,7 +27,7 @@ namespace embree
           for (int c=0; c<4; c++) {
             if (childCoordinate(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
-            // 1e-3: margin for the rounding of a ray's u
+            // 1e-3: margin for the rounding of a ray's u or v
             width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3);
           }
         }
