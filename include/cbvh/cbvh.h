@@ -200,7 +200,7 @@ struct CbvhCage
 
   size_t numCreases;
   const unsigned int* creases;          /* two vertices each */
-  const float* creaseSharpness;         /* one entry per crease, 0 to infinity: a sharp edge */
+  const float* creaseSharpness;         /* one entry per crease, 0 to infinity, a sharp edge */
   size_t numCorners;
   const unsigned int* corners;          /* vertices */
   const float* cornerSharpness;         /* one entry per corner, 0 to infinity */
