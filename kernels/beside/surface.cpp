@@ -221,7 +221,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
   const RTCGeometry geometry = input->geometry;
   input->numPrimitives = unsigned(cage.numFaces);
-  input->numEdges = cage.numIndices;
+  input->numIndices = cage.numIndices;
   for (size_t f = 0; cage.numAttributes && f < cage.numFaces; f++)
     if (cage.faceVertexCounts[f] != 4) input->nonQuads.emplace_back(unsigned(f), cage.faceVertexCounts[f]);
   setVertices(geometry, cage.vertices, true);
@@ -316,7 +316,7 @@ struct ScopedFlag
 void CbvhSurfaceTy::dice(const CbvhDicingArguments& dicing, float* rates)
 {
   const ChangeScope change(*this);
-  if (!pending || !pending->numEdges)
+  if (!pending || !pending->numIndices)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
       "there is no cage to dice: call cbvhSetSurfaceCage first, also after a commit"};
   const ScopedFlag scope(isPendingInUse);

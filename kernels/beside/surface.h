@@ -24,7 +24,7 @@ struct Input
 {
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
-  size_t numEdges = 0;                // one per index of a cage, otherwise 0
+  size_t numIndices = 0;              // of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;
   std::vector<unsigned int> widths;   // floats per value of each attribute

@@ -21,7 +21,7 @@ void decode(const VertHeader* block, uint32_t step)
   if (isRaw(view.info)) {
     for (uint32_t v = 0; v < (decoded->quadsX + 1)*(decoded->quadsY + 1); v++)
       for (int k = 0; k < 3; k++) {
-        const float x = rawVertex(view, v, k);
+        const float x = rawCoordinate(view, v, k);
         REQUIRE(std::memcmp(&x, &decoded->vertices[v][k], sizeof(x)) == 0);
       }
     if (step == 0)

@@ -41,7 +41,8 @@ namespace embree
     return false;
   }
 
-  static bool parseSubdivAccel (const std::string& name, RTCCompression& compression)
+  /*! Returns false also for Embree's own values, such as "grid". */
+  static bool selectsCompression (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
     if (lower == "cbvh") { compression = CompressionSettings::preferredCompression; return true; }
@@ -51,10 +52,11 @@ namespace embree
   bool isCompressedSubdivAccel (const std::string& subdivAccel)
   {
     RTCCompression compression;
-    return parseSubdivAccel(subdivAccel,compression);
+    return selectsCompression(subdivAccel,compression);
   }
 
-  /*! Keys with a value in EMBREE_CBVH, which also accepts "level". In a device string they begin with "cbvh_". */
+  /*! Keys of EMBREE_CBVH with a value; parseEnvironment() reads others too. In a device string they begin with
+   *  "cbvh_". */
   static const char* const keys[] = {
     "frame_level","max_error","fallback_faces","grids","quads","triangles","release_input",
     "exact_faces" }; // former name of fallback_faces
@@ -76,7 +78,7 @@ namespace embree
     return list;
   }
 
-  /*! item: a key, or key=value. where: what contains it. prefix: of all keys there. */
+  /*! item: the unknown key, or key=value. where: "EMBREE_CBVH" or the like. prefix: with which keys there begin. */
   static void throwUnknownKey (const std::string& where, const std::string& item, const std::string& prefix)
   {
     const std::string key = item.substr(0,item.find('='));
@@ -98,7 +100,7 @@ namespace embree
 
   void CompressionSettings::setMaxError (const std::string& name, const std::string& value)
   {
-    /* '.' is the decimal point in every locale */
+    /* the classic locale: the decimal point is '.', whatever the process's locale */
     std::istringstream stream(value);
     stream.imbue(std::locale::classic());
     float e = -1.0f;
@@ -145,7 +147,7 @@ namespace embree
   }
 
   /*! Reads the text of a value: up to a comma, or up to blanks before something else than a number. Embree's tokens
-   *  would be values that differ from the text: 0 for "0x10", 1 for "1 2", and 2 for 2^32+2. */
+   *  do not contain the whole text: "0x10" becomes 0, "1 2" becomes 1, and 2^32+2 becomes 2. */
   static std::string readValue (TokenStream& stream)
   {
     const char* const blanks = " \t\r\n", * const numberBegins = "0123456789+-.";
@@ -218,7 +220,7 @@ namespace embree
   void CompressionSettings::finishParsing (const std::string& subdivAccel, bool verbose)
   {
     RTCCompression ignored;
-    if (!parseSubdivAccel(subdivAccel,compression)) {
+    if (!selectsCompression(subdivAccel,compression)) {
       if (lowerCase(subdivAccel).compare(0,4,"cbvh") == 0)
         throwInvalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
       if (subdivAccel != "default")
@@ -226,7 +228,7 @@ namespace embree
     }
     /* Embree ignores unknown keys. They are errors if subdiv_accel, or their value, requests compression. */
     for (const auto& entry : unknownKeys)
-      if (parseSubdivAccel(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
+      if (selectsCompression(subdivAccel,ignored) || lowerCase(entry.second).compare(0,4,"cbvh") == 0)
         throwInvalid("the device string",entry.first,
                 "unknown key, did you mean " + nearestDeviceKey(entry.first) + "?");
 

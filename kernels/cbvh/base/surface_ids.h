@@ -7,8 +7,8 @@
  * store a number that is unique in the process, and each scene maps numbers to its IDs when a hit is reported
  * (epilogues.h).
  *
- * If Embree traces the static surfaces of a scene, their grids store IDs instead of numbers. Numbers of moving surfaces
- * have an additional bit, movingSurface, which no ID has. */
+ * If a scene has no compressed static geometry, Embree traces its static cages, and their GridSOAs store IDs instead of
+ * numbers. Numbers of moving surfaces have an additional bit, movingSurface, which no ID has. */
 
 #include "codec_names.h"
 #include "../../cvert/format/limits.h"

@@ -40,7 +40,7 @@ namespace embree
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
-        const uint32_t group = MeshWriter::groupPrimitives(triangles.mesh);
+        const uint32_t group = MeshWriter::primitivesPerGroup(triangles.mesh);
         std::vector<range<size_t>> batches;
         if (triangles.centers.size()) batches.push_back(range<size_t>(0,triangles.centers.size()));
         for (uint32_t depth=0; divide(group,depth,batches); depth++) progress(0.0);

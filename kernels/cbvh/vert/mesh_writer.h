@@ -18,7 +18,7 @@ namespace embree
     class MeshWriter
     {
     public:
-      static const uint32_t groupTriangles = 16; //!< triangles of a full group
+      static const uint32_t trianglesPerGroup = 16; //!< of a full group
 
       /*! The arguments must outlive the writer. */
       MeshWriter (const IrregularTriangles& source, uint32_t surfaceNumber, BlockStore& store,
@@ -26,8 +26,8 @@ namespace embree
         : source(source), surfaceNumber(surfaceNumber), store(store), statistics(statistics) {}
 
       /*! Primitives of a full group. A primitive is a triangle or a quad. */
-      static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) {
-        return groupTriangles/mesh.trianglesPerPrimitive;
+      static uint32_t primitivesPerGroup (const TrianglesOfMesh& mesh) {
+        return trianglesPerGroup/mesh.trianglesPerPrimitive;
       }
 
       /*! Writes a cluster. groups: its division into groups of consecutive primitives. The caller must flush the store

@@ -34,7 +34,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Wor
 
 uint wordAt (uvec2 at, uint i) { return WordsAt(at).it[i]; }
 uint byteAt (uvec2 at, uint offset) { return (wordAt(at, offset >> 2) >> (8u*(offset & 3u))) & 255u; }
-uint halfAt (uvec2 at, uint offset) { return (wordAt(at, offset >> 2) >> (8u*(offset & 2u))) & 65535u; }
+uint uint16At (uvec2 at, uint offset) { return (wordAt(at, offset >> 2) >> (8u*(offset & 2u))) & 65535u; }
 
 uint bitsAt (uvec2 at, uint bit, uint count)
 {
@@ -62,7 +62,7 @@ uvec2 bytesAfter (uvec2 at, uint offset)
 
 CVERT_BEGIN
 
-/*! Returns the i-th 32-bit word. GLSL reads only at addresses that are multiples of 4, here and below. */
+/*! Returns the i-th 32-bit word. In GLSL, `at` must be a multiple of 4, here and below. */
 CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 {
   uint32_t word;
@@ -73,7 +73,7 @@ CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 CVERT_INLINE uint32_t byteAt (const void* at, uint32_t offset) { return ((const uint8_t*)at)[offset]; }
 
 /*! Returns 16 bits. The offset, in bytes, must be even. */
-CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
+CVERT_INLINE uint32_t uint16At (const void* at, uint32_t offset)
 {
   uint16_t half;
   std::memcpy(&half,(const uint8_t*)at + offset,sizeof(half));
@@ -99,7 +99,7 @@ CVERT_END
 
 CVERT_BEGIN
 
-/*! Returns the i-th 32-bit word as a float. */
+/*! Reinterprets the i-th 32-bit word as a float. */
 CVERT_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END

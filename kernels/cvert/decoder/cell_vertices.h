@@ -144,13 +144,13 @@ CVERT_FUNCTION uint32_t vertexIndexInBlock (uint32_t region, uint32_t gx, uint32
 }
 
 /*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see format/block.h. */
-CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
+CVERT_FUNCTION float latticeCoordinate (CVERT_IN(StepView) step, int axis, int coordinate)
 {
   CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];
   return at;
 }
 
-/*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
+/*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeCoordinate. vertex:
  *  vertexIndexInBlock. */
 CVERT_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
@@ -162,7 +162,7 @@ CVERT_FUNCTION float addRemainder (CVERT_IN(StepView) step, uint32_t vertex, int
 }
 
 /*! Requires a raw step. */
-CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
+CVERT_FUNCTION float rawCoordinate (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
   return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis));
 }
 

@@ -96,7 +96,7 @@ namespace cvert { inline namespace CVERT_ISA
           for (uint32_t i=0; i<=uint32_t(cell.quadsX); i++) {
             const uint32_t vertex = vertexIndexInBlock(block->region,gx,gy,i,j);
             for (int k=0; k<3; k++) {
-              const float onLattice = latticeVertex(view,k,group[5*j+i][k]);
+              const float onLattice = latticeCoordinate(view,k,group[5*j+i][k]);
               vertices[vertex][k] = view.remainders == 0 ? onLattice : addRemainder(view,vertex,k,onLattice);
             }
           }

@@ -246,7 +246,7 @@ CVERT_FUNCTION float shearFactor (uint32_t info, int i, VertSpacing spacing)
 CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool storesUpperBits,
                                      uint32_t g)
 {
-  uint32_t low = halfAt(data,words+2u*g);
+  uint32_t low = uint16At(data,words+2u*g);
   return storesUpperBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
@@ -257,7 +257,7 @@ CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, ui
 {
   uint32_t end = cell + cellBytes(word);
   // the lower half of a word contains the numbers of bits
-  for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g));
+  for (uint32_t g=0u; g<groups; g++) end += cellBytes(uint16At(data,words+2u*g));
   return end;
 }
 

@@ -60,7 +60,7 @@ uint cbvhByteOf (uint word, int i) { return (word >> (8*i)) & 255u; }
 uint cbvhMeshGroupByte (CbvhMeshBlock block, uint g) {
   return cbvhByteOf(CVERT_AT(MeshHeader, block.at).groups[g >> 2], int(g & 3u));
 }
-uint cbvhMeshRecord (CbvhMeshBlock block, uint g) { return halfAt(block.at, meshHeaderBytes + meshRecordBytes*g); }
+uint cbvhMeshRecord (CbvhMeshBlock block, uint g) { return uint16At(block.at, meshHeaderBytes + meshRecordBytes*g); }
 
 uint cbvhMeshBits (CbvhMeshBlock block, uint begin, uint count)
 {

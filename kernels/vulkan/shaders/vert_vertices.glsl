@@ -62,8 +62,8 @@ CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
 /* World position of a vertex from its coordinates. Requires a step that is not raw. */
 vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
 {
-  vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
-                 latticeVertex(step_, 2, coordinates.z));
+  vec3 at = vec3(latticeCoordinate(step_, 0, coordinates.x), latticeCoordinate(step_, 1, coordinates.y),
+                 latticeCoordinate(step_, 2, coordinates.z));
   if (step_.remainders == 0u) return at;
   uint vertex = vertexIndexInBlock(block.region, gx, gy, uint(i), uint(j));
   for (int k = 0; k < 3; k++) at[k] = addRemainder(step_, vertex, k, at[k]);
@@ -74,7 +74,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
   uint vertex = vertexIndexInBlock(block.region, gx, gy, uint(i), uint(j));
-  return vec3(rawVertex(step_, vertex, 0), rawVertex(step_, vertex, 1), rawVertex(step_, vertex, 2));
+  return vec3(rawCoordinate(step_, vertex, 0), rawCoordinate(step_, vertex, 1), rawCoordinate(step_, vertex, 2));
 }
 
 #endif

@@ -43,7 +43,7 @@ namespace embree
         {
           lattices.store(words,groupHeights+m);
           const LeafLanes leaves(geometry,m,boxes,lanes,lattices);
-          borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
+          borderWidth = std::max(borderWidth,leaves.requiredBorderWidth(lattices.encoded));
           for (int quad=0; quad<4; quad++)
           {
             /* good leaves are only counted; the others, which may exceed a limit or the maximum, are measured */
@@ -66,7 +66,7 @@ namespace embree
           EncodedGroup encoded;
           if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded))
             encoded = encodeSeparate(boxes[c],quads);
-          encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
+          encoded.borderWidth = cbvh::requiredBorderWidth(quads,encoded,boxes[c]);
           words[c] = storeGroup(m+c,quads,encoded,boxes[c]);
         }
       }

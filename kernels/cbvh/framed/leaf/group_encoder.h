@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes a cLEAF group: a lattice, or separate leaves if no lattice is accurate enough. */
+/* Encodes a cLEAF group: as a lattice, or as separate leaves if no lattice is accurate enough. */
 
 #include "lattice_encoder.h"
 #include "separate_encoder.h"
@@ -12,8 +12,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Returns the width of lips that the group needs, see borderWidthOf(). */
-    inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
+    /*! Returns the width of lips that the group needs, see borderWidthOf(). parent: as in encodeGroup(). */
+    inline double requiredBorderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;
       for (int quad=0; quad<4; quad++)
@@ -40,7 +40,7 @@ namespace embree
     {
       EncodedGroup out;
       if (!encodeLattice(parent,group,out)) out = encodeSeparate(parent,group);
-      out.borderWidth = borderWidth(group,out,parent);
+      out.borderWidth = requiredBorderWidth(group,out,parent);
       return out;
     }
   }}

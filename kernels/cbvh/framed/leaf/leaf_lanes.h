@@ -69,8 +69,8 @@ namespace embree
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }
 
-      /*! As borderWidth() of group_encoder.h, over a mask of lanes. */
-      double borderWidth(uint32_t lanes) const
+      /*! As requiredBorderWidth() of group_encoder.h, over a mask of lanes. */
+      double requiredBorderWidth(uint32_t lanes) const
       {
         double width = 0;
         for (int axis=0; axis<2; axis++)

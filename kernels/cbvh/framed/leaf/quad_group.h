@@ -47,7 +47,7 @@ namespace embree
     {
       uint32_t word;
       Heights heights;
-      double borderWidth; //!< see borderWidthOf(); 0 away from the border
+      double borderWidth; //!< required, see borderWidthOf(); 0 away from the border
     };
   }}
 }

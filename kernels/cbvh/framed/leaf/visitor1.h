@@ -44,7 +44,7 @@ namespace embree
           float s;
           if (hitsLeaf(result.hit,x,tile.surfaces.halfThickness[child],16*m+child,s)
               && !(state.found && !(s < this->sBest))) {
-            if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,result.from)))) return true;
+            if (endsWalk(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,result.from)))) return true;
             if (state.found) return false;
           }
           setState(result.next);
@@ -64,7 +64,7 @@ namespace embree
         {
           LeafTile& tile = leafTile(exitM);
           this->tiles.ensureDecoded(tile,1u << (exitChild >> 2));
-          return accept(this->reportHit(16*exitM+exitChild,leafHit(tile.surfaces,exitChild,exitS,from)));
+          return endsWalk(this->reportHit(16*exitM+exitChild,leafHit(tile.surfaces,exitChild,exitS,from)));
         }
 
         __forceinline void setState (const WalkState& next)
@@ -74,7 +74,7 @@ namespace embree
         }
 
         /*! Updates the state after a report. Returns true if the walk may end. */
-        __forceinline bool accept (bool accepted)
+        __forceinline bool endsWalk (bool accepted)
         {
           if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
