@@ -78,7 +78,8 @@ extern "C" {
 #  define CBVH_SIZE_OF(type)
 #endif
 
-/* Result of a call. Any code other than CBVH_OK means that the call failed; cbvhGetErrorText returns the reason. */
+/* Result of a call. Any code other than CBVH_OK means that the call failed, or, from cbvhCommitGroup, that parts of a
+ * surface are missing. cbvhGetErrorText returns the reason. */
 enum CbvhError
 {
   CBVH_OK = 0,
@@ -276,8 +277,8 @@ struct CbvhAccuracy
   float maxError;                   /* in units of the vertices: largest spacing of the lattice. A vertex moves by at
                                      * most half a spacing on each axis, which is 0.866 spacings in space. If it lies
                                      * on an edge of a coarser grid, it moves with that edge, by at most maxError. 0:
-                                     * the bound that the settings of the context select, where 0 is lossless, or else
-                                     * the default above */
+                                     * the bound in the settings of the context, where 0 is lossless. If they have
+                                     * none, there is no bound besides maxPixelError and the default above */
   float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
                                      * smaller one holds */
   float cameraPosition[3];          /* in the space of the vertices */
@@ -371,9 +372,9 @@ CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunct
 /* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
 CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 
-/* Evaluates an attribute of a cage at a hit. Grids, meshes and loaded surfaces have no attributes. If
- * an attribute contains the cage's vertices, the cross product of dPdu and dPdv is the smooth normal of the surface
- * without displacement.
+/* Evaluates an attribute of a cage at a hit. Grids, meshes and loaded surfaces have no attributes. If an attribute
+ * contains the cage's vertices, the cross product of dPdu and dPdv is the smooth normal of the surface without
+ * displacement.
  *
  * attribute:     index in CbvhCage::attributes.
  * primID, u, v:  face and parameters, as in hits. On a face with four corners, u and v are 0 to 1. Another face has a

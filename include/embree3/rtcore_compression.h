@@ -163,7 +163,7 @@ struct RTCCompressionArguments
 
   /* cVERT: the same bound in pixels of a camera; 0 is no bound. The spacing of a face is at most
    * maxPixelError*pixelSize*d, where d is the distance from the camera to the bounds of the face's vertices, enlarged
-   * by a quarter. If maxError is set too, the smaller bound holds. */
+   * by a quarter. If maxError is set too, the smaller bound holds; otherwise this one replaces the default. */
   float maxPixelError;
   float cameraPosition[3];  /* in the space of the vertices; must be finite if maxPixelError is not 0 */
   float pixelSize;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
