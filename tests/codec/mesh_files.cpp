@@ -38,7 +38,7 @@ struct Saved
 {
   std::vector<EncodedBlock> blocks;
   FileSurface surface;
-  ErrorCode code = ErrorCode::NONE; // of write()'s error
+  ErrorCode readerError = ErrorCode::NONE;
 
   Saved()
   {
@@ -73,7 +73,7 @@ struct Saved
     writer.add(surface);
     writer.commit();
     try { File(path).verify(); }
-    catch (const Error& error) { code = error.code; return error.what(); }
+    catch (const Error& error) { readerError = error.code; return error.what(); }
     return "";
   }
 };
@@ -178,7 +178,7 @@ TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
     std::vector<std::string> parts = {temporary.path, "geometry 0:", "block"};
     parts.insert(parts.end(), causes[change].begin(), causes[change].end());
     EXPECT_TRUE(containsInOrder(saved.write(temporary.path), parts)) << change;
-    EXPECT_EQ(saved.code, ErrorCode::DAMAGED) << change;
+    EXPECT_EQ(saved.readerError, ErrorCode::DAMAGED) << change;
   }
 }
 
@@ -208,7 +208,7 @@ TEST(MeshFiles, StillTreesHaveNoMovingBlocks)
   record.form = FILE_LIST;
   record.numTimeSteps = 1;
   EXPECT_TRUE(containsInOrder(saved.write(temporary.path), {temporary.path, "geometry 0:", "type 6"}));
-  EXPECT_EQ(saved.code, ErrorCode::DAMAGED);
+  EXPECT_EQ(saved.readerError, ErrorCode::DAMAGED);
 }
 
 } // namespace

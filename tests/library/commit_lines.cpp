@@ -236,7 +236,6 @@ TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
     }
 }
 
-// The message names both reasons for which quads of a mesh are left out.
 TEST(InvalidQuads, AreReportedWithTheirReasons)
 {
   Random random(3);

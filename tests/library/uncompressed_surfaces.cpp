@@ -9,9 +9,9 @@
 namespace cbvh::test {
 namespace {
 
-// edgeRates: levels of all edges, if not empty. parts: of a printed line.
+// edgeRates: levels of all edges, if not empty.
 void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed,
-                         const std::vector<std::string>& parts, unsigned timeSteps = 1)
+                         const std::vector<std::string>& lineParts, unsigned timeSteps = 1)
 {
   Random random(43);
   Displacement displacement;
@@ -32,7 +32,7 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const RTCCompressionStatistics stats = statisticsOf(b);
     EXPECT_EQ(stats.numQuads != 0, compressed);
-    EXPECT_TRUE(containsInOrder(lineWith(output, parts[0]), parts)) << output;
+    EXPECT_TRUE(containsInOrder(lineWith(output, lineParts[0]), lineParts)) << output;
     unsigned hits = 0;
     for (const RTCRayHit& ray : rays) {
       const RTCRayHit x = intersect(a, ray), y = intersect(b, ray);

@@ -181,7 +181,6 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
     }
 }
 
-// The message names the blocks.
 TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
 {
   const DicedMesh sheet = meshOf(dicedSheet(1, 30), QuadOrder::Rows, random);

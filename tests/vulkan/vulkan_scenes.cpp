@@ -193,7 +193,7 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   attach(cyclic, newInstance(embree, cyclic, 0));
   rtcCommitScene(cyclic);
   EXPECT_FALSE(upload(cyclic));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "own", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", " own ", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   rtcDetachGeometry(cyclic, 1);   // the scene no longer retains itself
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
