@@ -24,6 +24,6 @@ for arguments in "$folder/none.cbvh" "$folder/output"; do
   grep -qF "$arguments: " "$folder/error" || fail "file_to_obj does not name $arguments in its message"
 done
 ! "$2" "$folder/grid.cbvh" > /dev/full 2> "$folder/error" || fail "file_to_obj fills the disk"
-grep -q "output cannot be written" "$folder/error" || fail "file_to_obj does not report a full disk"
+grep -q "standard output" "$folder/error" || fail "file_to_obj does not report a full disk"
 ! "$1" "$folder/no/grid.cbvh" 2> "$folder/error" || fail "encode_grid writes into a folder that does not exist"
 grep -qF "$folder/no/grid.cbvh" "$folder/error" || fail "encode_grid does not name the file in its message"

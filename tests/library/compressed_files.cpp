@@ -3,6 +3,7 @@
 
 /* Files of compressed geometry: loaded geometry equals saved geometry. */
 
+#include "support/message_parts.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
 
@@ -224,7 +225,7 @@ TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex)
   }
   EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(file, 0, nullptr));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("statistics is NULL"), std::string::npos) << device.message;
+  EXPECT_TRUE(containsInOrder(device.message, {"statistics", "NULL"}));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
   EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(nullptr, 0, &statistics));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a file the error is the thread's";
@@ -365,7 +366,7 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
       SCOPED_TRACE(&edit - edits);
       edit();
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-      EXPECT_NE(device.message.find("loaded from a file"), std::string::npos) << device.message;
+      EXPECT_NE(device.message.find("loaded"), std::string::npos) << device.message;
     }
     rtcCommitGeometry(geometry);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -407,10 +408,10 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
 {
   Folder folder;
   Device device;
-  const auto refused = [&](RTCGeometry geometry, const std::string& why) {
+  const auto refused = [&](RTCGeometry geometry, const std::string& cause) {
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
-    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
-    EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+    EXPECT_NE(device.message.find(cause), std::string::npos) << device.message;
     EXPECT_TRUE(folder.names().empty());
   };
   EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder/"a").c_str()));
@@ -418,12 +419,12 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-  refused(geometry, "its scene has not been committed");
+  refused(geometry, "scene");
   Scene scene(device);
   attach(scene, geometry);
   rtcCommitScene(scene);
   rtcSetGeometryMask(geometry, 3);
-  refused(geometry, "changed since");
+  refused(geometry, "changed");
   const std::vector<std::function<void()>> changes = {
     [&] { rtcSetGeometryTessellationRate(geometry, 3); },
     [&] {
@@ -436,7 +437,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
     change();
-    refused(geometry, "changed since");
+    refused(geometry, "changed");
   }
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
@@ -448,13 +449,13 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   OneGeometry high(device, newSurface(device, quadCage(), settings));
   refused(high.geometry, "GRID");
   RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  refused(instance, "has not been compressed");
+  refused(instance, "compressed");
   rtcReleaseGeometry(instance);
   DicedMesh quad;
   quad.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   quad.quads = {{0, 1, 2, 3}};
   RTCGeometry rejected = newMesh(device, quad, RTC_COMPRESSION_CVERT);
-  refused(rejected, "too few");
+  refused(rejected, "few");
   rtcReleaseGeometry(rejected);
 }
 
@@ -557,7 +558,8 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
   rtcCommitScene(scene);
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
-  EXPECT_NE(device.message.find("asks for no compression"), std::string::npos) << device.message;
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_NE(device.message.find("compression"), std::string::npos) << device.message;
   EXPECT_TRUE(folder.names().empty());
 }
 

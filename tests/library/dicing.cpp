@@ -5,6 +5,7 @@
 
 #include "support/closed.h"
 #include "support/edge_rates.h"
+#include "support/message_parts.h"
 #include "support/saved.h"
 
 #include <embree3/rtcore_dicing.h>
@@ -296,35 +297,36 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
 {
   Device device;
   Surface surface(device, quadCage());
-  const auto expectInvalid = [&](const char* name, const std::function<void(RTCDicingArguments&)>& change) {
+  const auto expectInvalid = [&](const std::vector<std::string>& parts,
+                                 const std::function<void(RTCDicingArguments&)>& change) {
     RTCDicingArguments args = cameraAt(0, 0, 1);
     change(args);
     rtcDiceGeometry(surface.geometry, &args);
-    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << name;
-    EXPECT_NE(device.message.find(name), std::string::npos) << device.message;
-    EXPECT_EQ(rtcGetGeometryBufferData(surface.geometry, RTC_BUFFER_TYPE_LEVEL, 0), nullptr) << name;
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << parts[0];
+    EXPECT_TRUE(containsInOrder(device.message, parts));
+    EXPECT_EQ(rtcGetGeometryBufferData(surface.geometry, RTC_BUFFER_TYPE_LEVEL, 0), nullptr) << parts[0];
   };
   for (float bad : {0.0f, -1.0f, nan, inf}) {
-    expectInvalid("pixelSize", [=](RTCDicingArguments& a) { a.pixelSize = bad; });
-    expectInvalid("quadSize", [=](RTCDicingArguments& a) { a.quadSize = bad; });
-    expectInvalid("outsideFactor", [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
-    expectInvalid("maxRate", [=](RTCDicingArguments& a) { a.maxRate = bad; });
+    expectInvalid({"pixelSize"}, [=](RTCDicingArguments& a) { a.pixelSize = bad; });
+    expectInvalid({"quadSize"}, [=](RTCDicingArguments& a) { a.quadSize = bad; });
+    expectInvalid({"outsideFactor"}, [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
+    expectInvalid({"maxRate"}, [=](RTCDicingArguments& a) { a.maxRate = bad; });
   }
-  expectInvalid("maxRate", [](RTCDicingArguments& a) { a.maxRate = 4097; });
+  expectInvalid({"maxRate"}, [](RTCDicingArguments& a) { a.maxRate = 4097; });
   for (float bad : {nan, inf}) {
-    expectInvalid("position", [=](RTCDicingArguments& a) { a.position[1] = bad; });
-    expectInvalid("direction", [=](RTCDicingArguments& a) { a.direction[1] = bad; });
-    expectInvalid("up", [=](RTCDicingArguments& a) { a.up[1] = bad; });
+    expectInvalid({"position"}, [=](RTCDicingArguments& a) { a.position[1] = bad; });
+    expectInvalid({"direction"}, [=](RTCDicingArguments& a) { a.direction[1] = bad; });
+    expectInvalid({"up"}, [=](RTCDicingArguments& a) { a.up[1] = bad; });
     const std::vector<float> transform(12, bad);
-    expectInvalid("transform", [&](RTCDicingArguments& a) { a.transform = transform.data(); });
+    expectInvalid({"transform"}, [&](RTCDicingArguments& a) { a.transform = transform.data(); });
   }
-  expectInvalid("up", [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
-  expectInvalid("width", [](RTCDicingArguments& a) { a.width = -1; });
+  expectInvalid({"up"}, [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
+  expectInvalid({"width"}, [](RTCDicingArguments& a) { a.width = -1; });
   const std::vector<float> bounds = {1, 2, nan, 4};
-  expectInvalid("maxRates", [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
+  expectInvalid({"maxRates"}, [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
   const std::vector<float> justBelow = {1, 2, 0.99999994f, 4};
-  expectInvalid("maxRates: 0.99999994 at index 2", [&](RTCDicingArguments& a) { a.maxRates = justBelow.data(); });
-  expectInvalid("pixelSize -1e-20", [](RTCDicingArguments& a) { a.pixelSize = -1e-20f; });
+  expectInvalid({"maxRates", "0.99999994", " 2"}, [&](RTCDicingArguments& a) { a.maxRates = justBelow.data(); });
+  expectInvalid({"pixelSize", "-1e-20"}, [](RTCDicingArguments& a) { a.pixelSize = -1e-20f; });
 
   rtcDiceGeometry(surface.geometry, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -360,7 +362,7 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
     SCOPED_TRACE(without == loaded ? "loaded" : "released");
     rtcDiceGeometry(without, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << device.message;
-    EXPECT_NE(device.message.find(without == loaded ? "loaded from a file" : "released"), std::string::npos)
+    EXPECT_NE(device.message.find(without == loaded ? "loaded" : "released"), std::string::npos)
       << device.message;
     for (unsigned id : {0u, 5u, 23u, 24u, ~0u}) {
       rtcGetGeometryFace(without, id);

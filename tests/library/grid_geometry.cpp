@@ -7,6 +7,7 @@
 #include "support/closed.h"
 #include "support/diced.h"
 #include "support/memory.h"
+#include "support/message_parts.h"
 #include "support/same_hits.h"
 
 #include <embree3/rtcore_compressed_triangles.h>
@@ -621,8 +622,7 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
   for (unsigned i = 0; i < 65535; i++) diced.vertices.push_back({0, 0, 0});
   rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_CVERT));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos)
-    << device.message;
+  EXPECT_TRUE(containsInOrder(device.message, {"grid 4 ", "65535", "65535", "stride", " 0", " 1"}));
 }
 
 // Four billion quads of 131,069 vertices.

@@ -4,6 +4,7 @@
 /* Interpolation on faces without a surface. Faces with fewer than 3 or more than 16 corners, or at vertices with too
  * many faces, are errors, because Embree's patches do not support them. Holes are not. */
 
+#include "support/message_parts.h"
 #include "support/scene.h"
 
 #include <gtest/gtest.h>
@@ -119,15 +120,18 @@ void forEachForm(const Cage& cage, const Cage* others, const Check& check)
   }
 }
 
-void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on, const std::string& why)
+void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on,
+                   const std::vector<std::string>& parts)
 {
   SCOPED_TRACE(testing::Message() << "face " << face << ", buffer " << int(on));
+  std::vector<std::string> expected = {"face " + std::to_string(face) + " "};
+  expected.insert(expected.end(), parts.begin(), parts.end());
   Values none;
   std::fill_n(&none.values[0][0], 18, untouched);
   for (bool inLanes : {false, true}) {
     EXPECT_TRUE((inLanes ? interpolateN(geometry, face, on) : interpolate(geometry, face, on)) == none);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-    EXPECT_EQ(device.message, "face " + std::to_string(face) + " cannot be interpolated: " + why);
+    EXPECT_TRUE(containsInOrder(device.message, expected));
   }
   EXPECT_TRUE(interpolateN(geometry, face, on, false) == none);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;
@@ -144,8 +148,7 @@ Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on)
   return one;
 }
 
-const char* const outOfBounds =
-  "it, or a face at its vertices, has fewer than 3 or more than 16 vertices, or a vertex has more than 64 faces";
+const std::vector<std::string> outOfBounds = {" 3 ", " 16 vertices", " 64 faces"};
 
 TEST(Interpolation, UnsupportedFacesAreErrors)
 {
@@ -180,7 +183,7 @@ TEST(Interpolation, UnsupportedFacesAreErrors)
         if (c.isRefused) expectRefused(device, geometry, f, on, outOfBounds);
         else expectFinite(device, geometry, f, on);
       for (unsigned f : {numFaces, RTC_INVALID_GEOMETRY_ID}) // the second is the primID of a ray that misses
-        expectRefused(device, geometry, f, on, "the geometry has " + std::to_string(numFaces) + " faces");
+        expectRefused(device, geometry, f, on, {" " + std::to_string(numFaces) + " faces"});
     });
   }
 }
@@ -198,7 +201,7 @@ TEST(Interpolation, SubPatchesThatDoNotExistAreErrors)
         EXPECT_EQ(device.takeError(), exists ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT) << device.message;
         if (exists) continue;
         EXPECT_EQ(found.values[0][0], untouched);
-        EXPECT_NE(device.message.find("one of its 5 sub-patches"), std::string::npos) << device.message;
+        EXPECT_TRUE(containsInOrder(device.message, {"face 0 ", " 5 sub-patches"}));
       }
       interpolateN(geometry, 0, on, false, u, v);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;

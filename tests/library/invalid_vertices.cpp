@@ -4,6 +4,7 @@
 /* Displacement functions that return NaN or infinity: the quads around such vertices are left out, counted and reported
  * as an error; everything else is unchanged. */
 
+#include "support/message_parts.h"
 #include "support/random.h"
 #include "support/scene.h"
 #include "support/scene_blocks.h"
@@ -67,8 +68,8 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
       settings.frameLevel = frameLevel;
       const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " +
-                                  std::to_string(invalid) + " quads");
+      EXPECT_TRUE(containsInOrder(
+        device.message, {"geometry 0, face 0:", "finite", " 1 face", " " + std::to_string(invalid) + " quads"}));
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
@@ -208,10 +209,11 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
     rtcCommitScene(scene);
     return rtcGetDeviceError(device);
   };
-  const std::string ofBad = "geometry 1, face 3: vertices are not finite; left out of 3 face(s): 3 quads";
+  const std::vector<std::string> ofBad = {"geometry 1, face 3:", "finite", " 3 face", " 3 quads"};
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, (std::vector<std::string>{
-                        ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_TRUE(containsInOrder(messages[0], ofBad));
+  EXPECT_TRUE(containsInOrder(messages[1], {"geometry 2, face 1:", "finite", " 1 face", " 256 quads"}));
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
 
   EXPECT_EQ(commit(), RTC_ERROR_NONE) << "nothing changed";
@@ -220,7 +222,8 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
   rtcCommitGeometry(geometries[1]);
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, std::vector<std::string>{ofBad});
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_TRUE(containsInOrder(messages[0], ofBad));
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
@@ -238,21 +241,21 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
     settings.displacement = displacement;
     addSurface(device, scene, cubeCage(), settings);
   }
-  std::vector<std::string> messages;
+  using Errors = std::vector<std::pair<RTCError, std::string>>;
+  Errors errors;
   rtcSetDeviceErrorFunction(
-    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
-    &messages);
+    device, [](void* list, RTCError code, const char* text) { ((Errors*)list)->emplace_back(code, text); }, &errors);
   double cancelAt = 0.6; // in the second surface
   rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
   rtcCommitScene(scene);
   EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_CANCELLED);
-  for (const std::string& message : messages) EXPECT_EQ(message.find("not finite"), std::string::npos) << message;
-  messages.clear();
+  for (const auto& [code, message] : errors) EXPECT_EQ(code, RTC_ERROR_CANCELLED) << message;
+  errors.clear();
   cancelAt = 2;
   rtcCommitScene(scene);
   EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages,
-            std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_TRUE(containsInOrder(errors[0].second, {"geometry 0, face 3:", "finite", " 1 face", " 1 quad"}));
 }
 
 TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)

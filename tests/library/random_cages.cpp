@@ -6,6 +6,7 @@
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_cages    for a longer run */
 
+#include "support/message_parts.h"
 #include "support/query_forms.h"
 #include "support/random_rounds.h"
 
@@ -110,12 +111,12 @@ TEST(RandomCages, InvalidIndicesAreReported)
   cage.indices[13] = 8;
   rtcReleaseGeometry(newSurface(device, cage, settings));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("face 3 of 4 vertices: index 1 is vertex 8"), std::string::npos) << device.message;
+  EXPECT_TRUE(containsInOrder(device.message, {"face 3 ", " 4 vertices", "index 1 ", "vertex 8", " 8"}));
   cage = cubeCage();
   cage.faces[5] = 5;
   rtcReleaseGeometry(newSurface(device, cage, settings));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(device.message, "face 5 of 5 vertices: the index buffer ends after 24 indices");
+  EXPECT_TRUE(containsInOrder(device.message, {"face 5 ", " 5 vertices", " 24 indices"}));
   cage = cubeCage();
   cage.indices.push_back(1000); // belongs to no face
   rtcReleaseGeometry(newSurface(device, cage, settings));

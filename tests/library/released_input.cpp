@@ -138,7 +138,7 @@ TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
     rtcCommitGeometry(callback.geometry);
     EXPECT_GT(callback.calls, 0u);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-    EXPECT_NE(device.message.find("is being committed"), std::string::npos) << device.message;
+    EXPECT_NE(device.message.find("callback"), std::string::npos) << device.message;
     Scene scene(device);
     attach(scene, callback.geometry);
     rtcCommitScene(scene);

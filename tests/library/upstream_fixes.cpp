@@ -6,6 +6,7 @@
 
 #include "support/diced_mesh.h"
 #include "support/memory.h"
+#include "support/message_parts.h"
 #include "support/query_forms.h"
 
 #include <gtest/gtest.h>
@@ -82,7 +83,7 @@ TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors)
   diced.add(40000, 2, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0}; });
   rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_NONE));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("grid 0 has 40000 x 2 vertices"), std::string::npos) << device.message;
+  EXPECT_TRUE(containsInOrder(device.message, {"grid 0 ", "40000", " 2 ", "32767"}));
 }
 
 // At u = 1 and v = 1, where the last row and column end.
@@ -192,24 +193,24 @@ TEST(UpstreamFixes, CommittedCagesKeepNoMemoryForSorting)
 
 TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
 {
-  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change;
+  struct Case { std::vector<std::string> parts; std::function<void(Cage&, SurfaceSettings&)> change;
   } cases[] = {
-    {"face 5 of 5 vertices: the index buffer ends after 24 indices",
+    {{"face 5 ", " 5 vertices", " 24 indices"},
      [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
-    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices",
+    {{"face 0 ", " 4294967295 vertices", " 24 indices"},
      [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
-    {"there are 23 levels: expected at least 24, one per edge of a face",
+    {{" 23 levels", " 24"},
      [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
-    {"there are 1 edge crease weights: expected at least 2, one per edge crease",
+    {{" 1 ", "edge crease", " 2"},
      [](Cage& cage, SurfaceSettings&) {
        cage.creases = {{0, 1}, {1, 3}};
        cage.creaseWeights = {1};
      }},
-    {"there are 0 edge crease weights: expected at least 1, one per edge crease",
+    {{" 0 ", "edge crease", " 1"},
      [](Cage& cage, SurfaceSettings&) {
        cage.creases = {{0, 1}};
      }},
-    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) {
+    {{" 1 ", "vertex crease", " 3"}, [](Cage& cage, SurfaceSettings&) {
        cage.corners = {0, 1, 2};
        cage.cornerWeights = {1};
      }}};
@@ -221,8 +222,8 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
       settings.compression = compression;
       c.change(cage, settings);
       rtcReleaseGeometry(newSurface(device, cage, settings));
-      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << c.message;
-      EXPECT_EQ(device.message, c.message) << kindName(compression);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << device.message;
+      EXPECT_TRUE(containsInOrder(device.message, c.parts)) << kindName(compression);
     }
 
   Device device;
@@ -231,7 +232,7 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, std::vector<unsigned>(20, 0));
   rtcCommitGeometry(geometry);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(device.message, "there are 20 indices of topology 1: expected at least 24, one per corner of a face");
+  EXPECT_TRUE(containsInOrder(device.message, {" 20 indices", "topology 1", " 24"}));
   rtcReleaseGeometry(geometry);
   geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
   rtcSetGeometryTopologyCount(geometry, 2);
@@ -239,7 +240,7 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, cubeCage().indices);
   rtcCommitGeometry(geometry);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(device.message, "face 0 of 4 vertices: the index buffer ends after 0 indices");
+  EXPECT_TRUE(containsInOrder(device.message, {"face 0 ", " 4 vertices", " 0 indices"}));
   rtcReleaseGeometry(geometry);
 }
 

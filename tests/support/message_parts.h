@@ -24,4 +24,13 @@ inline testing::AssertionResult containsInOrder(const std::string& message, cons
   return testing::AssertionSuccess();
 }
 
+// Returns the first line that contains the part, or "".
+inline std::string lineWith(const std::string& text, const std::string& part)
+{
+  const size_t at = text.find(part);
+  if (at == std::string::npos) return "";
+  const size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1; // npos + 1 is 0
+  return text.substr(begin, text.find('\n', at) - begin);
+}
+
 } // namespace cbvh::test

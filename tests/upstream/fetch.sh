@@ -120,16 +120,16 @@ finds old
 
 machine "a mirror without the pinned release"
 line young new
-refuses "suite old of this machine's mirror of Debian does not answer, or lacks source package thing 3.1+dfsg"
+refuses "suite old .*Debian.*thing 3.1+dfsg"
 
 machine "another distribution"
 line other new
-refuses "no source of Debian's main component"
+refuses "Debian.*main"
 
 name="without apt"
 mkdir "$work/bin"
 ln -s "$(command -v sh)" "$work/bin/sh"
 PATH=$work/bin sh "$fetch" thing 3.1+dfsg "$work/got" old > "$work/log" 2>&1 && fail "$name: something was found"
-grep -q "this machine has no apt-get" "$work/log" ||
+grep -q "no apt-get" "$work/log" ||
   { cat "$work/log"; fail "$name: the message does not contain the reason"; }
 echo passed

@@ -46,35 +46,35 @@ sed '/^#/d' upstream/patches/series | sort > named
 diff named present || fail "series and patches differ"
 
 # Corrupted archives.
-sum=$(sha256sum "$archive" | cut -d ' ' -f 1)
+sum_of() { sha256sum "$1" | cut -d ' ' -f 1; }
+sum=$(sum_of "$archive")
 head -c 1000000 "$archive" > truncated.tar.xz
-refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" \
-  "$work/truncated.tar.xz"
+refuses "truncated.tar.xz.*$(sum_of truncated.tar.xz).*[^0-9]1000000 bytes.*$sum" "$work/truncated.tar.xz"
 { cat "$archive"; echo; } > longer.tar.xz
-refuses "longer.tar.xz: SHA-256 is .*, expected $sum" "$work/longer.tar.xz"
+refuses "longer.tar.xz.*$(sum_of longer.tar.xz).*$sum" "$work/longer.tar.xz"
 : > empty.tar.xz
-refuses "empty.tar.xz: SHA-256 is .* (0 bytes), expected $sum" "$work/empty.tar.xz"
-refuses "absent.tar.xz: no such file" "$work/absent.tar.xz"
-refuses "not a source tree of Embree" "" -DEMBREE_UPSTREAM_SOURCE_DIR="$work/upstream"
+refuses "empty.tar.xz.*$(sum_of empty.tar.xz).*[^0-9]0 bytes.*$sum" "$work/empty.tar.xz"
+refuses "absent.tar.xz: .*such" "$work/absent.tar.xz"
+refuses "$work/upstream: .*tree" "" -DEMBREE_UPSTREAM_SOURCE_DIR="$work/upstream"
 
 # A registry that does not answer, and a registry with different data.
 mkdir bin
 printf '#!/bin/sh\necho "no answer" >&2\nexit 1\n' > bin/fetch.sh
 cp upstream/fetch.sh kept.sh
 install -m 755 bin/fetch.sh upstream/fetch.sh
-(unset EMBREE_UPSTREAM_FALLBACK; refuses "download of source package embree .* failed (no answer)" "")
+(unset EMBREE_UPSTREAM_FALLBACK; refuses "embree .*no answer" "")
 printf '#!/bin/sh\necho other > "$3/embree.orig.tar.xz"\n' > bin/fetch.sh
 install -m 755 bin/fetch.sh upstream/fetch.sh
-refuses "downloaded with SHA-256 .*, expected $sum" ""
+refuses "$(echo other | sum_of -).*$sum" ""
 mv kept.sh upstream/fetch.sh
 
 # A series that does not fit, and a missing patch.
 cp upstream/patches/subdiv-accel.patch kept
 sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' \
   upstream/patches/subdiv-accel.patch
-refuses "subdiv-accel.patch does not fit embree .*Hunk #1 FAILED" "$archive"
+refuses "subdiv-accel.patch .*embree .*Hunk #1 FAILED" "$archive"
 rm upstream/patches/subdiv-accel.patch
-refuses "subdiv-accel.patch: named in series, no such file" "$archive"
+refuses "subdiv-accel.patch: .*series" "$archive"
 mv kept upstream/patches/subdiv-accel.patch
 
 # Applied twice: the second time must not touch any file.

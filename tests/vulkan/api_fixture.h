@@ -6,6 +6,7 @@
 /* The fixture for tests of reported errors. */
 
 #include "small_scenes.h"
+#include "support/message_parts.h"
 
 namespace cbvh::test {
 
@@ -14,8 +15,7 @@ class VulkanAPI : public VulkanTest
 protected:
   void expectMessage(const std::vector<std::string>& parts)
   {
-    for (const std::string& part : parts)
-      EXPECT_TRUE(has(embree.message, part)) << "'" << embree.message << "' has no '" << part << "'";
+    EXPECT_TRUE(containsInOrder(embree.message, parts));
   }
 
   void expectError(RTCError code, const std::vector<std::string>& parts)

@@ -77,10 +77,10 @@ TEST_F(VulkanAPI, NullArgumentsAreReportedByName)
 TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
 {
   Device embree;
-  const auto expectWrong = [&](const char* name, size_t size) {
+  const auto expectWrong = [&](const char* name, size_t size, size_t accepted) {
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-    for (const std::string& part : {std::string(name), std::to_string(size), std::string("expected")})
-      EXPECT_TRUE(has(embree.message, part)) << embree.message << " lacks " << part;
+    EXPECT_TRUE(containsInOrder(
+      embree.message, {name, " " + std::to_string(size), " " + std::to_string(accepted)}));
   };
   RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
   RTCVulkanDeviceHandles handles = RTCVulkanDeviceHandles();
@@ -89,14 +89,14 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
   for (size_t wrong : {size_t(0), size_t(8), sizeof(handles) - 1, sizeof(handles) + 1, size_t(4104), ~size_t(0)}) {
     info.structSize = handles.structSize = wrong;
     EXPECT_EQ(rtcGetVulkanDevices(embree, &info, 1), 0u);
-    expectWrong("RTCVulkanDeviceInfo", wrong);
+    expectWrong("RTCVulkanDeviceInfo", wrong, sizeof(info));
     EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &handles), nullptr);
-    expectWrong("RTCVulkanDeviceHandles", wrong);
+    expectWrong("RTCVulkanDeviceHandles", wrong, sizeof(handles));
   }
   struct { RTCVulkanDeviceHandles known; size_t more; } newer = {RTCVulkanDeviceHandles(), 1};
   newer.known.structSize = sizeof(newer);
   EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
-  expectWrong("RTCVulkanDeviceHandles", sizeof(newer));
+  expectWrong("RTCVulkanDeviceHandles", sizeof(newer), sizeof(handles));
   newer.more = 0;
   EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -118,7 +118,8 @@ TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
   const std::vector<RTCRayHit> rays = raysFromAbove();
   Newer<RTCVulkanSceneArguments> arguments;
   EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &arguments.known), nullptr);
-  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneArguments", "is not zero"});
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneArguments", " " + std::to_string(sizeof(arguments)),
+                                           "byte " + std::to_string(sizeof(arguments.known))});
   arguments.more[0] = arguments.more[1] = 0;
   const VulkanScene uploaded(rtcNewVulkanScene(device.get(), scene, &arguments.known));
   ASSERT_TRUE(uploaded) << embree.message;
@@ -227,8 +228,8 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
     } wrong[] = {{nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
                  {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
                  {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
-                 {commands, 0, 80, 1, 0x2000, {"rays", "is 0"}},
-                 {commands, 0x1000, 80, 1, 0, {"order", "is 0"}},
+                 {commands, 0, 80, 1, 0x2000, {"rays", " 0"}},
+                 {commands, 0x1000, 80, 1, 0, {"order", " 0"}},
                  {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
                  {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
                  {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
@@ -325,7 +326,7 @@ TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
   attach(scene, newTriangle(embree, 1));
   EXPECT_FALSE(newVulkanScene(mine, scene));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_OPERATION);
-  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"committed"});
   rtcCommitScene(scene);
   const VulkanScene uploaded = newVulkanScene(mine, scene);
   ASSERT_TRUE(uploaded);
@@ -359,9 +360,9 @@ TEST_F(VulkanAPI, NullAndUnalignedRayAddressesAreErrors)
   RecordedTrace recorded(vulkan->handles);
   recorded.record([&](VkCommandBuffer commands) {
     EXPECT_FALSE(rtcRecordVulkanIntersect(uploaded.get(), commands, 0x1008, 1));
-    expectError(RTC_ERROR_INVALID_ARGUMENT, {"rays", "4104", "multiple of 16"});
+    expectError(RTC_ERROR_INVALID_ARGUMENT, {"rays", "4104", " 16"});
     EXPECT_FALSE(rtcRecordVulkanOccluded(uploaded.get(), commands, 0x1001, 1));
-    expectError(RTC_ERROR_INVALID_ARGUMENT, {"rays", "4097", "multiple of 16"});
+    expectError(RTC_ERROR_INVALID_ARGUMENT, {"rays", "4097", " 16"});
     EXPECT_FALSE(rtcRecordVulkanIntersect(uploaded.get(), commands, 0, 1));
     expectError(RTC_ERROR_INVALID_ARGUMENT, {"rays"});
   });
@@ -393,8 +394,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
     for (const std::string& selector : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
                                      std::string("no such device")}) {
       EXPECT_EQ(rtcNewVulkanDevice(embree, selector.c_str()), nullptr);
-      expectError(RTC_ERROR_INVALID_ARGUMENT, {(std::isdigit(selector[0]) ? "index '" : "device '") + selector + "'",
-                                               std::to_string(i) + " " + infos[i].name});
+      expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + selector + "'", std::to_string(i) + " " + infos[i].name});
     }
 
   for (unsigned i = 0; i < count; i++) {
@@ -492,7 +492,7 @@ TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
   rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   rtcCommitGeometry(geometry);
   EXPECT_FALSE(upload(scene));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"committed"});
   rtcCommitScene(scene);
   const VulkanScene after = upload(scene, RTC_VULKAN_MEMORY_COPY);
   const std::vector<RTCRayHit> rays = {makeRay({-0.5f, -0.5f, 5}, {0, 0, -1})};

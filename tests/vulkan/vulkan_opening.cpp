@@ -28,8 +28,7 @@ TEST_F(VulkanOpening, OldDriversAreRejected)
   };
   EXPECT_FALSE(open(vulkan->handles));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name))
-    << embree.message;
+  EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, " 1.1.42", " 1.2"}));
 }
 
 TEST_F(VulkanOpening, MissingFeaturesAreReported)
@@ -77,8 +76,8 @@ TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
   RTCVulkanDeviceHandles withImport = vulkan->handles;
   withImport.hasHostImport = 1;
   EXPECT_FALSE(open(withImport));
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
-  embree.takeError();
   device = open(vulkan->handles);
   ASSERT_TRUE(device) << embree.message;
   const SmallScene leaf(embree), vert(embree, RTC_COMPRESSION_CVERT);
@@ -179,8 +178,8 @@ TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError)
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << "an empty list is not an error";
   EXPECT_FALSE(openOwn());
-  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "finds no device")) << embree.message;
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
+  EXPECT_TRUE(has(embree.message, "device")) << embree.message;
 }
 
 TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
@@ -190,11 +189,12 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
   };
   std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
-  for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupportedReason, "1.2 is needed")) << info.name;
+  for (const RTCVulkanDeviceInfo& info : infos)
+    EXPECT_TRUE(containsInOrder(info.unsupportedReason, {" 1.0.3", " 1.2"})) << info.name;
   for (const std::string& selector : {std::string(), std::string("0"), std::string(infos[0].name)}) {
     EXPECT_FALSE(openOwn(selector.c_str()));
-    EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-    EXPECT_TRUE(has(embree.message, infos[0].name) && has(embree.message, "1.2 is needed")) << embree.message;
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
+    EXPECT_TRUE(containsInOrder(embree.message, {infos[0].name, " 1.0.3", " 1.2"}));
   }
 }
 
@@ -270,7 +270,7 @@ TEST_F(VulkanLoader, MissingLoaderIsReported)
 {
   setenv("EMBREE_VULKAN_LOADER", "/nowhere/libvulkan.so.1", 1);
   EXPECT_FALSE(openOwn());
-  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
   EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER"))
     << embree.message;
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
@@ -278,7 +278,7 @@ TEST_F(VulkanLoader, MissingLoaderIsReported)
   // a library without vkGetInstanceProcAddr
   setenv("EMBREE_VULKAN_LOADER", "libm.so.6", 1);
   EXPECT_FALSE(openOwn());
-  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_TRUE(has(embree.message, "vkGetInstanceProcAddr")) << embree.message;
   setenv("EMBREE_VULKAN_LOADER", "", 1);
   EXPECT_TRUE(openOwn()) << "an empty name selects the default: " << embree.message;
@@ -288,9 +288,8 @@ TEST_F(VulkanLoader, MachineWithoutADriverIsAnError)
 {
   for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) setenv(variable, "/nowhere/none.json", 1);
   EXPECT_FALSE(openOwn());
-  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  for (const char* part : {"no driver", "VK_ERROR_INCOMPATIBLE_DRIVER"})
-    EXPECT_TRUE(has(embree.message, part)) << embree.message;
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
+  EXPECT_TRUE(containsInOrder(embree.message, {"driver", "VK_ERROR_INCOMPATIBLE_DRIVER"}));
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) unsetenv(variable);

@@ -7,6 +7,7 @@
 #include "vulkan_tracer.h"
 #include "support/diced.h"
 #include "support/irregular_mesh.h"
+#include "support/message_parts.h"
 #include "support/moving_surface.h"
 #include "support/odd_rays.h"
 
@@ -327,25 +328,25 @@ TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
   const VulkanScene compute = newVulkanScene(device, scene), query = newQueryScene(device, scene);
   EXPECT_EQ(rtcGetVulkanSceneInstances(compute.get(), nullptr, 0), 0u);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
-  EXPECT_TRUE(has(embree.message, "not for ray queries")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "ray queries")) << embree.message;
   EXPECT_EQ(rtcGetVulkanSceneInstances(query.get(), nullptr, 0), 1u);
 
   EXPECT_EQ(newQueryScene(device, scene, compute.get()), nullptr);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(has(embree.message, "previous")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "previousScene")) << embree.message;
 
   RTCVulkanSceneArguments args = {};
   args.traversal = RTCVulkanTraversal(7);
   EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &args), nullptr);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(has(embree.message, "invalid traversal 7")) << embree.message;
+  EXPECT_TRUE(containsInOrder(embree.message, {"traversal", " 7"}));
 
   RTCVulkanDeviceHandles handles = vulkan->handles;
   handles.hasRayQuery = 0;
   const VulkanDevice without = open(handles);
   EXPECT_EQ(newQueryScene(without, scene), nullptr);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
-  EXPECT_TRUE(has(embree.message, "ray queries")) << embree.message;
+  EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, "VK_KHR_ray_query"}));
 }
 
 } // namespace

@@ -20,12 +20,12 @@ TEST_F(VulkanScenes, UncommittedScenesAreErrors)
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
   EXPECT_FALSE(upload(scene));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"committed"});
   rtcCommitScene(scene);
   EXPECT_TRUE(upload(scene)) << embree.message;
   attach(scene, newTriangle(embree, 1));
   EXPECT_FALSE(upload(scene));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"committed"});
 }
 
 // The scene may belong to another RTCDevice.
@@ -37,7 +37,7 @@ TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
   EXPECT_FALSE(upload(scene));
   expectError(RTC_ERROR_INVALID_OPERATION, {"scene"});
   EXPECT_EQ(other.takeError(), RTC_ERROR_INVALID_OPERATION);
-  EXPECT_TRUE(has(other.message, "not committed")) << other.message;
+  EXPECT_TRUE(has(other.message, "committed")) << other.message;
   rtcCommitScene(scene);
   const VulkanScene uploaded = upload(scene);
   ASSERT_TRUE(uploaded) << embree.message;
@@ -68,7 +68,7 @@ std::vector<RefusedGeometry> refusedGeometries()
 {
   return {
     {"quad mesh",
-     {"is a quad mesh"},
+     {"quad mesh"},
      [](RTCDevice device) {
        return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
          setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
@@ -76,7 +76,7 @@ std::vector<RefusedGeometry> refusedGeometries()
        });
      }},
     {"grid mesh",
-     {"is a grid mesh"},
+     {"grid mesh"},
      [](RTCDevice device) {
        return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
          setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -85,7 +85,7 @@ std::vector<RefusedGeometry> refusedGeometries()
        });
      }},
     {"user geometry",
-     {"is user geometry"},
+     {"user geometry"},
      [](RTCDevice device) {
        return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
          rtcSetGeometryUserPrimitiveCount(g, 1);
@@ -96,7 +96,7 @@ std::vector<RefusedGeometry> refusedGeometries()
        });
      }},
     {"curve",
-     {"is of curves or points"},
+     {"curves"},
      [](RTCDevice device) -> RTCGeometry {
        if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
        return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
@@ -106,7 +106,7 @@ std::vector<RefusedGeometry> refusedGeometries()
        });
      }},
     {"points",
-     {"is of curves or points"},
+     {"points"},
      [](RTCDevice device) -> RTCGeometry {
        if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
        return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
@@ -114,24 +114,24 @@ std::vector<RefusedGeometry> refusedGeometries()
        });
      }},
     {"triangle mesh with motion blur",
-     {"motion blur", "2 time steps"},
+     {"triangle mesh", "motion", "2 time steps"},
      [](RTCDevice device) { return newTriangle(device, 0, 2); }},
     {"surface with motion blur",
-     {"motion blur"},
+     {"surface", "motion", "2 time steps"},
      [](RTCDevice device) {
        SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
        settings.timeSteps = 2;
        return newSurface(device, sheetCage(1), settings);
      }},
     {"triangle mesh with an intersection filter",
-     {"filter function"},
+     {"filter"},
      [](RTCDevice device) {
        const RTCGeometry g = newTriangle(device, 0);
        rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
        rtcCommitGeometry(g);
        return g;
      }},
-    {"surface with an occlusion filter", {"filter function"}, [](RTCDevice device) {
+    {"surface with an occlusion filter", {"filter"}, [](RTCDevice device) {
        const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_CLEAF));
        rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
        rtcCommitGeometry(g);
@@ -160,7 +160,7 @@ TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
     attach(above, newInstance(embree, scene, 0));
     rtcCommitScene(above);
     EXPECT_FALSE(upload(above));
-    expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 3 of an instanced scene"});
+    expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 3 ", "instanced"});
     expectMessage(refused.message);
 
     rtcDisableGeometry(geometry);
@@ -188,12 +188,12 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   rtcCommitScene(above);
   EXPECT_FALSE(upload(above));
   expectError(RTC_ERROR_INVALID_OPERATION,
-              {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+              {"geometry 1 ", "instanced", "instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   attach(cyclic, newTriangle(embree, 0));
   attach(cyclic, newInstance(embree, cyclic, 0));
   rtcCommitScene(cyclic);
   EXPECT_FALSE(upload(cyclic));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "its own scene", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", " own ", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   rtcDetachGeometry(cyclic, 1);   // the scene no longer retains itself
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
@@ -205,7 +205,7 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   rtcCommitGeometry(rtcGetGeometry(moving, 1));
   rtcCommitScene(moving);
   EXPECT_FALSE(upload(moving));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "motion blur", "2 time steps", "linear transforms"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "motion", "2 time steps", "linear"});
   rtcDisableGeometry(rtcGetGeometry(moving, 1));
   rtcCommitScene(moving);
   EXPECT_TRUE(upload(moving)) << embree.message;
