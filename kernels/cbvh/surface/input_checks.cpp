@@ -6,7 +6,7 @@
 namespace embree
 {
   static std::string describe (const SubdivMesh* mesh, size_t face) {
-    return "face " + std::to_string(face) + " of " + std::to_string(mesh->faceVertices[face]) + " vertices: ";
+    return "face " + std::to_string(face) + " with " + std::to_string(mesh->faceVertices[face]) + " vertices: ";
   }
 
   void checkSizes (const SubdivMesh* mesh)
