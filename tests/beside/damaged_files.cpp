@@ -89,7 +89,8 @@ struct Damaged : testing::Test
     EXPECT_EQ(cbvhGetErrorText(), reported.text);
     ASSERT_TRUE(containsInOrder(reported.text, {path, "block"}));
     const char* const digits = "0123456789";
-    const size_t at = reported.text.find_first_of(digits, reported.text.find(path) + path.size());
+    const size_t block = reported.text.find("block", reported.text.find(path) + path.size());
+    const size_t at = reported.text.find_first_of(digits, block);
     ASSERT_NE(at, std::string::npos) << reported.text;
     const unsigned long long offset = std::stoull(reported.text.substr(at));
     EXPECT_EQ(offset % 16, 0u) << reported.text;
