@@ -6,6 +6,7 @@
 
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
+#include "support/message_parts.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
 #include "small_cube.h"
@@ -16,6 +17,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -44,10 +47,10 @@ struct Context
   operator CbvhContext() const { return handle; }
 
   // This error and no other since the last call.
-  void expect(CbvhError found, CbvhError code, const char* text)
+  void expect(CbvhError found, CbvhError code, const std::vector<std::string>& parts)
   {
     EXPECT_EQ(found, code);
-    EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
+    EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), parts));
     ASSERT_EQ(reported.size(), 1u);
     EXPECT_EQ(reported[0].first, code);
     EXPECT_EQ(reported[0].second, cbvhGetErrorText());
@@ -243,7 +246,7 @@ TEST(Beside, ClustersMatchOurEmbree)
     CBVH_ERROR_INVALID_ARGUMENT);
   context.reported.clear();
   context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
-                 CBVH_ERROR_INVALID_ARGUMENT, "7");
+                 CBVH_ERROR_INVALID_ARGUMENT, {" 7"});
 }
 
 TEST(Beside, CageHitsMatchOurEmbree)
@@ -399,14 +402,17 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree)
   EXPECT_TRUE(context.reported.empty());
 
   CbvhSurface none = nullptr;
-  writeBytes(folder/"ours", bytesOf(folder/"ours").substr(0, 5000));
-  context.expect(cbvhLoadSurface(context, (folder/"ours").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT, "truncated");
-  context.expect(cbvhLoadSurface(context, (folder/"none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT, "No such file");
+  const std::string whole = bytesOf(folder/"ours");
+  writeBytes(folder/"ours", whole.substr(0, 5000));
+  context.expect(cbvhLoadSurface(context, (folder/"ours").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
+                 {folder/"ours", " 5000 ", std::to_string(whole.size())});
+  context.expect(cbvhLoadSurface(context, (folder/"none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
+                 {folder/"none", std::strerror(ENOENT)});
   EXPECT_EQ(cbvhLoadSurface(context, nullptr, &none), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(none, nullptr);
   const Surface empty(context);
-  context.expect(cbvhSaveSurface(empty, (folder/"empty").c_str()), CBVH_ERROR_INVALID_OPERATION, "not committed");
-  context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "path is NULL");
+  context.expect(cbvhSaveSurface(empty, (folder/"empty").c_str()), CBVH_ERROR_INVALID_OPERATION, {"cbvhCommitSurface"});
+  context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"path ", "NULL"});
 }
 
 // The same as rtcDiceGeometry, whose tests check the rates.
@@ -457,10 +463,10 @@ TEST(Beside, CagesAreDicedByTheView)
 
       dicing.pixelSize = 0;
       // the cage has been released
-      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice");
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, {"cbvhSetSurfaceCage"});
       ASSERT_EQ(cbvhSetSurfaceCage(given, &input.cage), CBVH_OK);
-      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "pixelSize");
-      context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "dicing is NULL");
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"pixelSize", " 0", " 0"});
+      context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"dicing ", "NULL"});
       ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a rejected view changes nothing";
       ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
       EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given"));
@@ -517,42 +523,48 @@ TEST(Beside, InvalidInputIsReportedByName)
   Context context;
   const Surface surface(context);
   Displacement displacement;
-  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage");
-  const auto expectInvalid = [&](const char* text, const std::function<void(CbvhCage&)>& modify) {
-    SCOPED_TRACE(text);
+  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION,
+                 {" no ", "cage", "grids", "mesh"});
+  const auto expectInvalid = [&](const std::vector<std::string>& parts, const std::function<void(CbvhCage&)>& modify) {
+    SCOPED_TRACE(testing::PrintToString(parts));
     CageInput input(cubeCage(), settingsOf(displacement, 2, 4));
     modify(input.cage);
-    context.expect(cbvhSetSurfaceCage(surface, &input.cage), CBVH_ERROR_INVALID_ARGUMENT, text);
+    context.expect(cbvhSetSurfaceCage(surface, &input.cage), CBVH_ERROR_INVALID_ARGUMENT, parts);
   };
   const std::vector<const float*> none(2, nullptr);
-  expectInvalid("no faces", [](CbvhCage& c) { c.numFaces = 0; });
-  expectInvalid("no faces", [](CbvhCage& c) { c.indices = nullptr; });
-  expectInvalid("invalid rate 0:", [](CbvhCage& c) { c.rate = 0; });
-  expectInvalid("invalid rate nan:", [](CbvhCage& c) { c.rate = NAN; });
+  expectInvalid({" no ", "faces", "indices"}, [](CbvhCage& c) { c.numFaces = 0; });
+  expectInvalid({" no ", "faces", "indices"}, [](CbvhCage& c) { c.indices = nullptr; });
+  expectInvalid({"rate", " 0", "1", "4096"}, [](CbvhCage& c) { c.rate = 0; });
+  expectInvalid({"rate", "nan", "1", "4096"}, [](CbvhCage& c) { c.rate = NAN; });
   std::vector<float> rates(24, 4);
   rates[7] = 4097;
-  expectInvalid("invalid rate 4097 at index 7:", [&](CbvhCage& c) { c.rates = rates.data(); });
-  expectInvalid("stride of vertices, 10 bytes", [](CbvhCage& c) { c.vertices.stride = 10; });
-  expectInvalid("time steps 130:", [](CbvhCage& c) { c.vertices.numSteps = 130; });
-  expectInvalid("time range 0 to 0:", [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
-  expectInvalid("time step 0 are NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
-  expectInvalid("time range", [](CbvhCage& c) { c.vertices.startTime = -3e38f; c.vertices.endTime = 3e38f; });
-  expectInvalid("no vertices", [](CbvhCage& c) { c.vertices.numVertices = 0; });
-  expectInvalid("too many vertices", [](CbvhCage& c) { c.vertices.numVertices = size_t(1) << 32; });
-  expectInvalid("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
+  expectInvalid({"rate", " 4097", " 7", "1", "4096"}, [&](CbvhCage& c) { c.rates = rates.data(); });
+  expectInvalid({"stride", "vertices", " 10 ", "4", "12"}, [](CbvhCage& c) { c.vertices.stride = 10; });
+  expectInvalid({"time steps", " 130", "1", "129"}, [](CbvhCage& c) { c.vertices.numSteps = 130; });
+  expectInvalid({"time range", " 0 ", " 0"}, [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
+  expectInvalid({"time step 0", "NULL"}, [&](CbvhCage& c) { c.vertices.steps = none.data(); });
+  expectInvalid({"time range", "-3e+38", "3e+38"}, [](CbvhCage& c) {
+    c.vertices.startTime = -3e38f; c.vertices.endTime = 3e38f;
+  });
+  expectInvalid({"no vertices"}, [](CbvhCage& c) { c.vertices.numVertices = 0; });
+  expectInvalid({"vertices", "4294967296", "4294967295"}, [](CbvhCage& c) {
+    c.vertices.numVertices = size_t(1) << 32;
+  });
+  expectInvalid({"creases", "numCreases"}, [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   const unsigned edge[2] = {0, 1};
   for (float wrong : {NAN, -1.0f}) {
-    expectInvalid("creaseSharpness 0 is", [&](CbvhCage& c) {
+    const std::string value = std::isnan(wrong) ? "nan" : "-1";
+    expectInvalid({"creaseSharpness", " 0 ", value, "0", "infinity"}, [&](CbvhCage& c) {
       c.numCreases = 1; c.creases = edge; c.creaseSharpness = &wrong;
     });
-    expectInvalid("cornerSharpness 0 is", [&](CbvhCage& c) {
+    expectInvalid({"cornerSharpness", " 0 ", value, "0", "infinity"}, [&](CbvhCage& c) {
       c.numCorners = 1; c.corners = edge; c.cornerSharpness = &wrong;
     });
   }
-  expectInvalid("invalid boundary 9:", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
+  expectInvalid({"boundary", " 9", "0", "3"}, [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
-  expectInvalid("index 1 of attribute 0 is 4: the attribute has 1 values", [&](CbvhCage& c) {
+  expectInvalid({"index 1", "attribute 0", " 4", " 1 "}, [&](CbvhCage& c) {
     c.numAttributes = 1; c.attributes = &attribute;
   });
   const CbvhGrid grid = {0, 2, 2, 2};
@@ -563,26 +575,31 @@ TEST(Beside, InvalidInputIsReportedByName)
     grids.numGrids = 1;
     grids.grids = &grid;
     grids.vertices = {4, stride, steps, 1, 0, 0};
-    context.expect(cbvhSetSurfaceGrids(surface, &grids), CBVH_ERROR_INVALID_ARGUMENT, "16 GiB");
+    context.expect(cbvhSetSurfaceGrids(surface, &grids), CBVH_ERROR_INVALID_ARGUMENT,
+                   {" 4 ", std::to_string(stride), "16 GiB"});
   }
-  context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
+  context.expect(cbvhSetSurfaceCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"cage ", "NULL"});
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
-  context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
-  const auto refuseAccuracy = [&](const char* name, const std::function<void(CbvhAccuracy&)>& change) {
+  context.expect(cbvhSetSurfaceAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, {"maxError", "-1", "0"});
+  const auto refuseAccuracy = [&](const char* name, const char* value,
+                                  const std::function<void(CbvhAccuracy&)>& change) {
     CbvhAccuracy accuracy = CbvhAccuracy();
     accuracy.maxPixelError = 0.5f;
     accuracy.pixelSize = 0.001f;
     EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_OK) << cbvhGetErrorText();
     change(accuracy);
-    context.expect(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_ERROR_INVALID_ARGUMENT, name);
+    context.expect(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_ERROR_INVALID_ARGUMENT, {name, value});
   };
-  for (float wrong : {NAN, INFINITY, -1.0f}) {
-    refuseAccuracy("maxError", [=](CbvhAccuracy& a) { a.maxError = wrong; });
-    refuseAccuracy("maxPixelError", [=](CbvhAccuracy& a) { a.maxPixelError = wrong; });
-    refuseAccuracy("pixelSize", [=](CbvhAccuracy& a) { a.pixelSize = wrong; });
+  for (const auto& [wrong, text] :
+       {std::make_pair(NAN, "nan"), std::make_pair(INFINITY, "inf"), std::make_pair(-1.0f, "-1")}) {
+    const float number = wrong;
+    refuseAccuracy("maxError", text, [=](CbvhAccuracy& a) { a.maxError = number; });
+    refuseAccuracy("maxPixelError", text, [=](CbvhAccuracy& a) { a.maxPixelError = number; });
+    refuseAccuracy("pixelSize", text, [=](CbvhAccuracy& a) { a.pixelSize = number; });
   }
-  refuseAccuracy("pixelSize", [](CbvhAccuracy& a) { a.pixelSize = 0; });
-  for (int k = 0; k < 3; k++) refuseAccuracy("cameraPosition", [=](CbvhAccuracy& a) { a.cameraPosition[k] = NAN; });
+  refuseAccuracy("pixelSize", " 0", [](CbvhAccuracy& a) { a.pixelSize = 0; });
+  for (int k = 0; k < 3; k++)
+    refuseAccuracy("cameraPosition", "nan", [=](CbvhAccuracy& a) { a.cameraPosition[k] = NAN; });
   const CbvhAccuracy unused = {sizeof(CbvhAccuracy), 0, 0, {0, 0, 0}, -1};
   EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, &unused), CBVH_OK) << "without maxPixelError there is no camera";
   EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, nullptr), CBVH_OK);
@@ -591,18 +608,18 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   CbvhGroup group = nullptr;
   const CbvhSurface surfaces[2] = {surface, nullptr};
-  context.expect(cbvhNewGroup(context, surfaces, 2, &group), CBVH_ERROR_INVALID_ARGUMENT, "surface 1 is NULL");
+  context.expect(cbvhNewGroup(context, surfaces, 2, &group), CBVH_ERROR_INVALID_ARGUMENT, {"surface 1 ", "NULL"});
   Context other;
   EXPECT_EQ(cbvhNewGroup(other, surfaces, 1, &group), CBVH_ERROR_INVALID_ARGUMENT);
   ASSERT_EQ(cbvhNewGroup(context, surfaces, 1, &group), CBVH_OK);
-  context.expect(cbvhCommitGroup(group), CBVH_ERROR_INVALID_OPERATION, "not committed");
+  context.expect(cbvhCommitGroup(group), CBVH_ERROR_INVALID_OPERATION, {"cbvhCommitSurface"});
   cbvhReleaseGroup(group);
   CbvhContext none2 = nullptr;
   EXPECT_NE(cbvhNewContext("cbvh_bogus=1", nullptr, nullptr, &none2), CBVH_OK);
   for (const char* size : {"-1", "-.5", "1e39"}) {
     EXPECT_EQ(cbvhNewContext((std::string("cache_size=") + size).c_str(), nullptr, nullptr, &none2),
               CBVH_ERROR_INVALID_ARGUMENT);
-    EXPECT_NE(std::string(cbvhGetErrorText()).find(std::string("\"") + size), std::string::npos) << cbvhGetErrorText();
+    EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), {std::string("\"") + size + "\"", "cache_size"}));
   }
   EXPECT_EQ(none2, nullptr);
 }
@@ -623,7 +640,7 @@ TEST(Beside, NonFiniteDisplacementIsReported)
   ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const Group group(context, {surface});
-  context.expect(group.committed, CBVH_ERROR_INVALID_ARGUMENT, "geometry 0, face 2");
+  context.expect(group.committed, CBVH_ERROR_INVALID_ARGUMENT, {"geometry 0", "face 2"});
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
 }
 
@@ -643,7 +660,7 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled)
     return int(done >= 0 && done <= 1 && ++reported.calls <= reported.most);
   };
   reported.most = 3;
-  context.expect(cbvhCommitSurface(surface, progress, &reported), CBVH_ERROR_CANCELLED, "");
+  context.expect(cbvhCommitSurface(surface, progress, &reported), CBVH_ERROR_CANCELLED, {});
   EXPECT_GT(reported.calls, 3u);
   reported.most = ~0u;
   ASSERT_EQ(cbvhCommitSurface(surface, progress, &reported), CBVH_OK) << cbvhGetErrorText();
@@ -688,9 +705,9 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
     EXPECT_TRUE(value >= 0 && value <= 49);
   }
   context.expect(cbvhInterpolateAttribute(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
-                 "invalid attribute 2: the surface has 2 attributes");
+                 {"attribute", " 2", " 2 "});
   context.expect(cbvhInterpolateAttribute(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
-                 "invalid primID 6: the surface has 6 faces");
+                 {"primID", " 6", " 6 "});
 }
 
 // Limits of the faces at a vertex, of the cage or of an attribute's topology.
@@ -722,10 +739,10 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
     points.P = &value;
     for (unsigned face : {0u, 7u, 129u}) {
       points.primID = face;
-      const char* const why = "cannot be interpolated";
+      const std::vector<std::string> parts = {"face " + std::to_string(face) + " ", "16 ", "64 "};
       const CbvhError error = cbvhInterpolateAttribute(surface, face, u, v, 0, &value, nullptr, nullptr);
-      context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, why);
-      context.expect(cbvhInterpolateAttributeAtPoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, why);
+      context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, parts);
+      context.expect(cbvhInterpolateAttributeAtPoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, parts);
       EXPECT_EQ(value, -1) << "face " << face;
     }
     if (!isOwn) continue;

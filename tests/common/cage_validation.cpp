@@ -81,20 +81,20 @@ TEST(CageValidation, WarnsOfACageWithoutExtent)
   Cage cage = withFaces(4, {{0, 1, 2, 3}});
   EXPECT_EQ(checked(cage).warnings, "");
   cage.positions.assign(4, {1, 2, 3});
-  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "all vertices", "\n"}));
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "position", "\n"}));
 }
 
 TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
-  EXPECT_TRUE(containsInOrder(result.warnings, {"not manifold at 1 edge", "vertex 1 to 2 ", "3 faces"}));
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "3 faces"}));
   EXPECT_TRUE(result.cage.holes.empty());
 }
 
 TEST(CageValidation, WarnsOfFacesWithOppositeOrientation)
 {
   const Checked result = checked(withFaces(4, {{0, 1, 2}, {0, 1, 3}}));
-  EXPECT_NE(result.warnings.find("not manifold"), std::string::npos) << result.warnings;
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "2 faces"}));
 }
 
 TEST(CageValidation, RejectsRepeatedVertices)
@@ -109,12 +109,12 @@ TEST(CageValidation, CutsOutLargeFaces)
     ring[i] = i;
   const Checked result = checked(withFaces(18, {{1, 0, 17}, ring}));
   EXPECT_EQ(result.cage.holes, (std::vector<unsigned>{1}));
-  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "face 2 has 17 vertices", "left out", "16"}));
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "face 2 ", " 17 ", " 16"}));
   EXPECT_EQ(linesOf(result.warnings), 1);
   const std::string several = checked(withFaces(18, {{1, 0, 17}, ring, ring, ring})).warnings;
-  EXPECT_TRUE(containsInOrder(several, {"face 2 has 17 vertices", "left out", "2 other faces"})) << several;
-  EXPECT_EQ(several.rfind("left out"), several.find("left out"));
-  EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(several, {"test: ", "face 2 ", " 17 ", " 2 ", " 16"}));
+  EXPECT_EQ(linesOf(several), 1);
+  EXPECT_TRUE(containsInOrder(errorOf(withFaces(17, {ring})), {"test: ", " 16 ", " 64 "}));
 }
 
 TEST(CageValidation, RepeatedHolesCountOnce)
@@ -123,7 +123,7 @@ TEST(CageValidation, RepeatedHolesCountOnce)
   cage.holes = {0, 0};
   EXPECT_EQ(checked(cage).warnings, "");
   cage.holes = {0, 1, 1};
-  EXPECT_NE(errorOf(cage).find("no face is left"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(errorOf(cage), {"test: ", " 16 ", " 64 "}));
 }
 
 TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
@@ -132,7 +132,7 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
   faces.push_back({2, 1, 66});
   const Checked result = checked(withFaces(67, faces));
   EXPECT_EQ(result.cage.holes.size(), 65u);
-  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "vertex 1 has 65 faces", "left out", "64"}));
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "vertex 1 ", " 65 ", " 64"}));
   EXPECT_EQ(linesOf(result.warnings), 1);
   EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
   for (std::vector<unsigned> face : fan(70)) // a second fan
@@ -142,7 +142,7 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
     faces.push_back(face);
   }
   const std::string both = checked(withFaces(138, faces)).warnings;
-  EXPECT_TRUE(containsInOrder(both, {"vertex 1 has 65 faces", "left out", "1 other vertex:", "64"}));
+  EXPECT_TRUE(containsInOrder(both, {"test: ", "vertex 1 ", " 65 ", " 1 ", " 64"}));
   EXPECT_EQ(linesOf(both), 1);
 }
 
@@ -153,13 +153,13 @@ TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)
     fins.push_back({0, 1, 2 + i});
   const Checked result = checked(withFaces(72, fins));
   EXPECT_TRUE(result.cage.holes.empty());
-  EXPECT_NE(result.warnings.find("has 70 faces"), std::string::npos) << result.warnings;
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "70 faces"}));
 }
 
 TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
-  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "not manifold at 1 vertex", "vertex 1 "}));
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "manifold", "1 vertex", "vertex 1 "}));
   EXPECT_EQ(linesOf(result.warnings), 1);
 }
 
@@ -190,7 +190,7 @@ TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
   EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "two of them remain";
   const Cage uneven = creasedQuads({0.1f, 5.0f, 5.0f});
   const std::string vertex = std::to_string(findVerticesWithDifferentCreaseRules(uneven).front() + 1);
-  EXPECT_TRUE(containsInOrder(checked(uneven).warnings, {"creases meet at ", " " + vertex + ",", "rule"}));
+  EXPECT_TRUE(containsInOrder(checked(uneven).warnings, {"test: ", "crease", " " + vertex + ",", "rule"}));
   Cage cornered = creasedQuads({2.0f, 2.0f});
   cornered.cornerVertices = {4};
   cornered.cornerSharpness = {1.0f};

@@ -199,7 +199,8 @@ TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
 {
   const Cage cage = mixedCage();
   const auto d = displaced(cage, path(ramp(32)), 2.0f);
-  EXPECT_TRUE(containsInOrder(warningsOf(cage, path(ramp(32))), {"heights", "border", "differ"}));
+  const std::string map = path(ramp(32));
+  EXPECT_TRUE(containsInOrder(warningsOf(cage, map), {map, "border"}));
   for (int level : {1, 3, 6})
     expectClosed(cage, *d, level);
   EXPECT_EQ(warningsOf(cage, path(flat(8, 0.25f))), "");
@@ -294,8 +295,7 @@ TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
   std::string warnings;
   const Cage cage = readObj(stream, "body.obj", warnings);
   const std::string map = path(flat(4, 0.5f));
-  EXPECT_EQ(errorOf(cage, map), "body.obj:7: this face has no texture coordinates, and " + map +
-                                  " needs them on all faces; 2 of 3 have none");
+  EXPECT_TRUE(containsInOrder(errorOf(cage, map), {"body.obj:7: ", "texture coordinates", map, " 2 ", " 3 "}));
 }
 
 TEST_F(Displacing, MissingTexelsDoNotDisplace)
@@ -309,7 +309,8 @@ TEST_F(Displacing, MissingTexelsDoNotDisplace)
   EXPECT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.0f);
   map.channel = "G";
   EXPECT_FLOAT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.15f);
-  EXPECT_EQ(warnings, file + ": 64 texels have no value and displace nothing\n");
+  EXPECT_TRUE(containsInOrder(warnings, {file, " 64 texels"}));
+  EXPECT_EQ(warnings.find('\n'), warnings.size() - 1) << warnings;
   map.channel.clear();
   map.values = MapValues::ObjectVectors;
   const float u = 0.4f, v = 0.7f;
@@ -323,16 +324,16 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
 {
   path(flat(8, 0.75f), "skin.1001.exr");
   const std::string skin = (folder / "skin.<UDIM>.exr").string();
-  EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), skin), {"no tile 1002", "1 face of two"}));
+  EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), skin), {skin, "1002", "1 face", "two"}));
   EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
   const std::string hide = (folder / "hide.<UDIM>.exr").string();
-  EXPECT_TRUE(containsInOrder(errorOf(quadsOnTiles(), hide), {hide, "tile 1002", "not exist"}));
+  EXPECT_TRUE(containsInOrder(errorOf(quadsOnTiles(), hide), {hide, "two", "1002"}));
   for (const Vec2f& move : {Vec2f{0, -1}, Vec2f{-5, 0}})
   {
     Cage outside = quadsOnTiles();
     for (Vec2f& uv : outside.uvs)
       uv = {uv.x + move.x, uv.y + move.y};
-    EXPECT_TRUE(containsInOrder(errorOf(outside, skin), {skin, "outside of all tiles", "expected 0 to 10"}));
+    EXPECT_TRUE(containsInOrder(errorOf(outside, skin), {skin, "two", "outside", " 0 ", " 10 "}));
   }
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
 }
@@ -340,10 +341,10 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
 TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
 {
   const std::string map = path(flat(8, 0.75f));
-  EXPECT_NE(warningsOf(quadsOnTiles(), map).find("laid out in UDIM tiles, 1001 to 1002"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), map), {"two", " 1001 ", " 1002", map, "<UDIM>"}));
   EXPECT_EQ(warningsOf(twoQuads(), map), "");
   const std::string normals = constantImage(folder / "normals.png", {0.5f, 0.55f, 0.99f}, OIIO::TypeDesc::UINT8);
-  EXPECT_NE(warningsOf(twoQuads(), normals).find("looks like a normal map"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(warningsOf(twoQuads(), normals), {normals, "normal map"}));
   const std::string gray = constantImage(folder / "gray.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
   EXPECT_EQ(warningsOf(twoQuads(), gray), "");
 }

@@ -154,7 +154,7 @@ TEST_F(MapFormats, TiffOfEveryTypeAndLayoutIsReadOrRejectedByName)
           const Sample found = sampleAt(path, 0.4f, 0.7f);
           if (type.bits == 64 && l.tile)
           {
-            EXPECT_NE(found.error.find("it has tiles of type double"), std::string::npos) << found.error;
+            EXPECT_TRUE(containsInOrder(found.error, {path, "tiles", "double"}));
             continue;
           }
           EXPECT_NEAR(found.height, expected, 2e-6) << found.error;
@@ -200,7 +200,7 @@ TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRejectedByName)
     unsigned bits, format, photometric, samples;
     std::string rows;  // 20 equal pixels each
     float expected;    // NAN: rejected
-    const char* message;
+    std::vector<std::string> parts; // of the message
   };
   const auto row = [](const std::string& pixel) {
     std::string all;
@@ -222,39 +222,39 @@ TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRejectedByName)
   const auto u16 = [](std::vector<double> x) { return integersOf<uint16_t>(x); };
   const auto u8 = [](std::vector<double> x) { return integersOf<uint8_t>(x); };
   const Case cases[] = {
-    {"bilevel 0", 1, 1, 1, 1, packed(1, 0), 0.0f, ""},
-    {"bilevel 1", 1, 1, 1, 1, packed(1, 1), 1.0f, ""},
-    {"bilevel 0, white is zero", 1, 1, 0, 1, packed(1, 0), 1.0f, ""},
-    {"bilevel 1, white is zero", 1, 1, 0, 1, packed(1, 1), 0.0f, ""},
-    {"2 bits", 2, 1, 1, 1, packed(2, 1), 1.0f / 3, ""},
-    {"2 bits, white is zero", 2, 1, 0, 1, packed(2, 1), 2.0f / 3, ""},
-    {"4 bits", 4, 1, 1, 1, packed(4, 3), 0.2f, ""},
-    {"4 bits, white is zero", 4, 1, 0, 1, packed(4, 3), 0.8f, ""},
-    {"10 bits", 10, 1, 1, 1, packed(10, 256), 256.0f / 1023, ""},
-    {"10 bits, white is zero", 10, 1, 0, 1, packed(10, 256), 767.0f / 1023, ""},
-    {"12 bits", 12, 1, 1, 1, packed(12, 1024), 1024.0f / 4095, ""},
-    {"12 bits, white is zero", 12, 1, 0, 1, packed(12, 1024), 3071.0f / 4095, ""},
-    {"14 bits", 14, 1, 1, 1, packed(14, 4096), 4096.0f / 16383, ""},
-    {"8 bits, white is zero", 8, 1, 0, 1, row(u8({51})), 0.8f, ""},
-    {"16 bits, white is zero", 16, 1, 0, 1, row(u16({13107})), 0.8f, ""},
-    {"16 bits with alpha, white is zero", 16, 1, 0, 2, row(u16({13107, 9999})), 0.8f, ""},
-    {"32 bits, white is zero", 32, 1, 0, 1, row(integersOf<uint32_t>({858993459})), 0.8f, ""},
-    {"int8, white is zero", 8, 2, 0, 1, row(u8({51})), NAN, "white is zero in it"},
-    {"int16, white is zero", 16, 2, 0, 1, row(u16({51})), NAN, "white is zero in it"},
-    {"int32, white is zero", 32, 2, 0, 1, row(integersOf<uint32_t>({51})), NAN, "white is zero in it"},
-    {"half, white is zero", 16, 3, 0, 1, row(u16({51})), NAN, "samples of type half"},
-    {"float, white is zero", 32, 3, 0, 1, row(pixelOf<float>({0.2})), NAN, "samples of type float"},
-    {"double, white is zero", 64, 3, 0, 1, row(integersOf<double>({0.2})), NAN, "samples of type double"},
-    {"uint64", 64, 1, 1, 1, row(std::string(8, 1)), NAN, "No support for data format"},
-    {"int64", 64, 2, 1, 1, row(std::string(8, 1)), NAN, "No support for data format"},
-    {"complex integers", 32, 5, 1, 1, row(std::string(4, 1)), NAN, "No support for data format"},
-    {"complex floats", 64, 6, 1, 1, row(std::string(8, 1)), NAN, "No support for data format"},
-    {"palette of 4 bits", 4, 1, 3, 1, packed(4, 3), 0.2f, ""},
-    {"palette of 8 bits", 8, 1, 3, 1, row(u8({51})), 0.2f, ""},
-    {"CMYK of 8 bits", 8, 1, 5, 4, row(u8({51, 102, 0, 0})), 0.8f, ""},
-    {"CMYK of 16 bits", 16, 1, 5, 4, row(u16({13107, 0, 0, 0})), 0.8f, ""},
-    {"YCbCr", 8, 1, 6, 3, row(u8({51, 128, 128})), 0.2f, ""},
-    {"Lab, black", 8, 1, 8, 3, row(u8({0, 0, 0})), 0.0f, ""},
+    {"bilevel 0", 1, 1, 1, 1, packed(1, 0), 0.0f, {}},
+    {"bilevel 1", 1, 1, 1, 1, packed(1, 1), 1.0f, {}},
+    {"bilevel 0, white is zero", 1, 1, 0, 1, packed(1, 0), 1.0f, {}},
+    {"bilevel 1, white is zero", 1, 1, 0, 1, packed(1, 1), 0.0f, {}},
+    {"2 bits", 2, 1, 1, 1, packed(2, 1), 1.0f / 3, {}},
+    {"2 bits, white is zero", 2, 1, 0, 1, packed(2, 1), 2.0f / 3, {}},
+    {"4 bits", 4, 1, 1, 1, packed(4, 3), 0.2f, {}},
+    {"4 bits, white is zero", 4, 1, 0, 1, packed(4, 3), 0.8f, {}},
+    {"10 bits", 10, 1, 1, 1, packed(10, 256), 256.0f / 1023, {}},
+    {"10 bits, white is zero", 10, 1, 0, 1, packed(10, 256), 767.0f / 1023, {}},
+    {"12 bits", 12, 1, 1, 1, packed(12, 1024), 1024.0f / 4095, {}},
+    {"12 bits, white is zero", 12, 1, 0, 1, packed(12, 1024), 3071.0f / 4095, {}},
+    {"14 bits", 14, 1, 1, 1, packed(14, 4096), 4096.0f / 16383, {}},
+    {"8 bits, white is zero", 8, 1, 0, 1, row(u8({51})), 0.8f, {}},
+    {"16 bits, white is zero", 16, 1, 0, 1, row(u16({13107})), 0.8f, {}},
+    {"16 bits with alpha, white is zero", 16, 1, 0, 2, row(u16({13107, 9999})), 0.8f, {}},
+    {"32 bits, white is zero", 32, 1, 0, 1, row(integersOf<uint32_t>({858993459})), 0.8f, {}},
+    {"int8, white is zero", 8, 2, 0, 1, row(u8({51})), NAN, {"white", " int8"}},
+    {"int16, white is zero", 16, 2, 0, 1, row(u16({51})), NAN, {"white", " int16"}},
+    {"int32, white is zero", 32, 2, 0, 1, row(integersOf<uint32_t>({51})), NAN, {"white", " int"}},
+    {"half, white is zero", 16, 3, 0, 1, row(u16({51})), NAN, {"white", " half"}},
+    {"float, white is zero", 32, 3, 0, 1, row(pixelOf<float>({0.2})), NAN, {"white", " float"}},
+    {"double, white is zero", 64, 3, 0, 1, row(integersOf<double>({0.2})), NAN, {"white", " double"}},
+    {"uint64", 64, 1, 1, 1, row(std::string(8, 1)), NAN, {"format"}},
+    {"int64", 64, 2, 1, 1, row(std::string(8, 1)), NAN, {"format"}},
+    {"complex integers", 32, 5, 1, 1, row(std::string(4, 1)), NAN, {"format"}},
+    {"complex floats", 64, 6, 1, 1, row(std::string(8, 1)), NAN, {"format"}},
+    {"palette of 4 bits", 4, 1, 3, 1, packed(4, 3), 0.2f, {}},
+    {"palette of 8 bits", 8, 1, 3, 1, row(u8({51})), 0.2f, {}},
+    {"CMYK of 8 bits", 8, 1, 5, 4, row(u8({51, 102, 0, 0})), 0.8f, {}},
+    {"CMYK of 16 bits", 16, 1, 5, 4, row(u16({13107, 0, 0, 0})), 0.8f, {}},
+    {"YCbCr", 8, 1, 6, 3, row(u8({51, 128, 128})), 0.2f, {}},
+    {"Lab, black", 8, 1, 8, 3, row(u8({0, 0, 0})), 0.0f, {}},
   };
   for (const Case& c : cases)
     for (bool isPlanar : {false, true})
@@ -288,7 +288,7 @@ TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRejectedByName)
         EXPECT_EQ(found.error, "");
         continue;
       }
-      EXPECT_NE(found.error.find(c.message), std::string::npos) << found.error << " " << found.height;
+      EXPECT_TRUE(containsInOrder(found.error, c.parts)) << found.height;
       EXPECT_EQ(found.error.rfind(path, 0), 0u) << found.error;
       EXPECT_EQ(found.error.find('\n'), std::string::npos) << found.error;
     }
@@ -506,7 +506,7 @@ TEST_F(MapFormats, ValuesThatResembleMissingOnesAreHeights)
   {
     t.nodata = nodata;
     writeTiff(path, t, repeated(bytesOf(std::vector<float>{INFINITY})));
-    EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("is not finite"), std::string::npos) << nodata;
+    EXPECT_TRUE(containsInOrder(sampleAt(path, 0.5f, 0.5f).error, {path, " 0,0 ", "finite"})) << nodata;
   }
 }
 
@@ -531,7 +531,8 @@ TEST_F(MapFormats, EachPageHasItsOwnMissingValue)
     texture.sample(image, 0.5f, 0.5f, 0.0f, 0.0f, &height);
     EXPECT_FLOAT_EQ(height, image == 0 ? 0.5f : 1.0f / 255) << image;
   }
-  EXPECT_EQ(warnings, path + ": 400 texels have no value and displace nothing\n");
+  EXPECT_TRUE(containsInOrder(warnings, {path, " 400 texels"}));
+  EXPECT_EQ(warnings.find('\n'), warnings.size() - 1) << warnings;
 }
 
 TEST_F(MapFormats, SmallerCopiesAndMasksAreIgnored)
@@ -573,8 +574,7 @@ TEST_F(MapFormats, FileWithAnUnreadablePageIsRejected)
   writer.addPage(t, repeated("a"));
   const std::string path = pathOf("pages.tif");
   writer.save(path);
-  EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("image 1: white is zero"), std::string::npos)
-    << sampleAt(path, 0.5f, 0.5f).error;
+  EXPECT_TRUE(containsInOrder(sampleAt(path, 0.5f, 0.5f).error, {path, "image 1", "white", " int8"}));
 }
 
 TEST_F(MapFormats, DeepImagesAreRejected)
@@ -585,16 +585,16 @@ TEST_F(MapFormats, DeepImagesAreRejected)
   const auto output = OIIO::ImageOutput::create(path);
   ASSERT_TRUE(output->open(path, spec) && output->write_deep_image(OIIO::DeepData(spec)) && output->close())
     << output->geterror();
-  EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("it is a deep image"), std::string::npos)
-    << sampleAt(path, 0.5f, 0.5f).error;
+  EXPECT_TRUE(containsInOrder(sampleAt(path, 0.5f, 0.5f).error, {path, "deep"}));
 }
 
 TEST_F(MapFormats, MissingFilesThatResembleTilesSuggestAPlaceholder)
 {
   for (const char* name : {"skin_u1_v1.exr", "skin.1001.exr", "skin.<TILE>.exr", "skin.%(tile)d.exr"})
-    EXPECT_TRUE(containsInOrder(sampleAt(pathOf(name), 0.5f, 0.5f).error, {"no such height map", "<UDIM>", "<UVTILE>"}))
-      << name;
-  EXPECT_EQ(sampleAt(pathOf("skin.exr"), 0.5f, 0.5f).error, pathOf("skin.exr") + ": no such height map");
+    EXPECT_TRUE(containsInOrder(sampleAt(pathOf(name), 0.5f, 0.5f).error, {pathOf(name), "<UDIM>", "<UVTILE>"}));
+  const std::string error = sampleAt(pathOf("skin.exr"), 0.5f, 0.5f).error;
+  EXPECT_EQ(error.rfind(pathOf("skin.exr") + ": ", 0), 0u) << error;
+  EXPECT_EQ(error.find('<'), std::string::npos) << error;
 }
 
 TEST_F(MapFormats, PipesAreRejectedWithoutOpeningThem)

@@ -173,7 +173,8 @@ TEST(ObjReader, DevicesAreRejected)
     }
     catch (const Error& error)
     {
-      EXPECT_EQ(error.what(), std::string(path) + ": this is a device: expected a file or a pipe");
+      EXPECT_EQ(std::string(error.what()).rfind(std::string(path) + ": ", 0), 0u) << error.what();
+      EXPECT_TRUE(containsInOrder(error.what(), {"device", "pipe"}));
     }
 }
 
@@ -267,22 +268,22 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     std::vector<std::string> parts;
   };
   const Case cases[] = {
-    {"f 1 2\n", "test.obj:5: ", {"face", "three vertices", "2"}},
+    {"f 1 2\n", "test.obj:5: ", {"face", "three", " 2"}},
     {"f 1 2 5\n", "test.obj:5: ", {"vertex index 5", " 4 "}},
     {"f 1 2 0\n", "test.obj:5: ", {"vertex index 0", " 4 "}},
     {"f 1 2 -5\n", "test.obj:5: ", {"vertex index -5", " 4 "}},
     {"f 1/1 2/1 3/1\n", "test.obj:5: ", {"texture coordinate index 1", " 0 "}},
     {"f 1 2 x\n", "test.obj:5: ", {"number", "'x'"}},
     {"f 1 2 3.5\n", "test.obj:5: ", {"number", "'3.5'"}},
-    {"v 1 2\n", "test.obj:5: ", {"vertex", "three coordinates", "2"}},
+    {"v 1 2\n", "test.obj:5: ", {"vertex", "three", " 2"}},
     {"v 1 2 nan\n", "test.obj:5: ", {"'nan'", "finite"}},
     {"v 0 0 1.#QNAN\n", "test.obj:5: ", {"number", "'1.#QNAN'"}},
     {"v 0 0 -1.#IND00\n", "test.obj:5: ", {"number", "'-1.#IND00'"}},
     {"vt 1.#INF\n", "test.obj:5: ", {"number", "'1.#INF'"}},
     {"v 1 2 -1.#IND\n", "test.obj:5: ", {"number", "'-1.#IND'"}},
-    {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "too large"}},
-    {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "too large"}},
-    {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", "2 of 3"}},
+    {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "large"}},
+    {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "large"}},
+    {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", " 2 ", " 3"}},
     {"surf 1\n", "test.obj:5: ", {"statement 'surf'"}},
     {"curv 0 1 1 2\n", "test.obj:5: ", {"statement 'curv'"}},
     {"v 0,5 1 2\n", "test.obj:5: ", {"number", "'0,5'"}},
@@ -291,7 +292,7 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
     {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: ", {"tag", "vertex 4", " 4"}},
     {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: ", {"tag", "face 1", " 1"}},
     {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: ", {"sharpness -1 ", "negative"}},
-    {"t corner 1/1/0 0 nan\nf 1 2 3\n", "test.obj:5: ", {"sharpness nan ", "not a number"}},
+    {"t corner 1/1/0 0 nan\nf 1 2 3\n", "test.obj:5: ", {"sharpness nan ", "number"}},
     {"t interpolateboundary 1/0/0 3\n", "test.obj:5: ", {"tag 'interpolateboundary'", " 3", "0, 1 or 2"}},
     {"t corn\x84 0/0/0\n", "test.obj:5: ", {"tag 'corn?'"}},
     {"t \x84 1/0/0/\x84\n", "test.obj:5: ", {"tag '?'", " 1/0/0/? ", " 0"}},

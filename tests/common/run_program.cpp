@@ -34,8 +34,11 @@ TEST(RunProgram, PrintsExceptionsInOneLine)
   EXPECT_EQ(canceled.first, 130);
   EXPECT_EQ(canceled.second.find("cbvh_test: cancel"), 0u) << canceled.second;
   EXPECT_EQ(canceled.second.find('\n'), canceled.second.size() - 1) << canceled.second;
-  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }),
-            std::make_pair(1, std::string("cbvh_test: out of memory\n")));
+  const std::pair<int, std::string> exhausted = outcome([]() -> int { throw std::bad_alloc(); });
+  EXPECT_EQ(exhausted.first, 1);
+  EXPECT_EQ(exhausted.second.find("cbvh_test: "), 0u) << exhausted.second;
+  EXPECT_NE(exhausted.second.find("memory"), std::string::npos) << exhausted.second;
+  EXPECT_EQ(exhausted.second.find('\n'), exhausted.second.size() - 1) << exhausted.second;
   EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }),
             std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
   EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }),

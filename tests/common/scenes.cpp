@@ -342,7 +342,7 @@ TEST(DicedSurface, RefinementToLevel0IsOnlyOfQuads)
       }
       catch (const Error& e)
       {
-        EXPECT_TRUE(containsInOrder(e.what(), {"level 0", "not quads", "level 1"}));
+        EXPECT_TRUE(containsInOrder(e.what(), {"level 0", "quads", "level 1"}));
       }
   }
 }
@@ -399,7 +399,7 @@ TEST(Catalogue, OptionsBelongToTheirScenes)
   s.scene = "herd";
   EXPECT_EQ(complaint(s), "");
   s.count = 0;
-  EXPECT_NE(complaint(s).find("--count 0 is out of range"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--count 0 ", " 1 ", std::to_string(maxHerdCount)}));
   s.count = 2;
   s.mapping = "sphere";
   EXPECT_TRUE(containsInOrder(complaint(s), {"--mapping 'sphere'", "faces", "atlas"}));

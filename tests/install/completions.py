@@ -190,12 +190,12 @@ class LaterLayout(Sample):
 class Failures(unittest.TestCase):
     def test_help_without_options_and_programs_that_fail_are_errors(self):
         with tempfile.TemporaryDirectory() as folder:
-            for command, message in ((["echo"], "--help lists no options"), (["false"], "exits with 1, expected 0")):
+            for command, message in ((["echo"], "sample --help .*options"), (["false"], "false .* 1, .* 0")):
                 completion = Path(folder) / "sample"
                 done = subprocess.run([sys.executable, "-B", SCRIPT, completion, *command], capture_output=True,
                                       text=True)
                 self.assertEqual(done.returncode, 1)
-                self.assertIn(message, done.stderr)
+                self.assertRegex(done.stderr, message)
                 self.assertFalse(completion.exists())
 
 

@@ -162,7 +162,8 @@ class KnownHeader(unittest.TestCase):
         header.write_text("CBVH_API int cbvhBare(void);\n")
         done = subprocess.run([sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True,
                               text=True)
-        self.assertEqual((done.returncode, done.stderr), (1, "man_pages.py: cbvhBare has no comment\n"))
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"\Aman_pages\.py: cbvhBare .*comment\n\Z")
 
 
 class PublicHeaders(unittest.TestCase):

@@ -141,7 +141,7 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(again.returncode, 0)
         lines = [line for line in again.stdout.split("\n") if "cube_fivefold_L6.json" in line]
         self.assertEqual(len(lines), 1, lines)
-        self.assertRegex(lines[0], "truncated.*measured again")
+        self.assertIn("truncated", lines[0])
         self.assertEqual(self.calls(), ["cube:0.45 6"])
         json.loads(record.read_text())
 
@@ -150,7 +150,7 @@ class Benchmark(unittest.TestCase):
         full = self.run_script("quick", "--scene", "cube")
         self.assertEqual(full.returncode, 1)
         self.assertEqual(full.stderr.count("\n"), 1, full.stderr)
-        self.assertIn(f"{self.output}: no room for results: File too large", full.stderr)
+        self.assertRegex(full.stderr, f"{self.output}: .*File too large")
         self.assertEqual(self.calls(), ["cube 4,5,6,7,8"], "the next job must not start")
         record = json.loads((self.output / "cube_L4-5-6-7-8.json").read_text())
         self.assertEqual([group["level"] for group in record["groups"]], [4])
@@ -183,31 +183,31 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(self.calls(), ["cube:0.45 6", "cube 4,5,6,7,8", "trex 4,5,6,7,8"])
         other = self.run_script("quick", "--job", "frames_*")
         self.assertEqual((other.returncode, other.stderr.count("\n")), (1, 1))
-        self.assertIn("job 'frames_*' is not in the set 'quick'", other.stderr)
+        self.assertRegex(other.stderr, r"job 'frames_\*' .*'quick'.*cube_fivefold")
 
     def test_records_of_another_commit_are_measured_again(self):
         self.run_script("quick", "--scene", "cube")
         self.calls()
         (self.folder / "commit").write_text("def")
         again = self.run_script("quick", "--scene", "cube")
-        self.assertIn("of commit abc", again.stdout)
+        self.assertRegex(again.stdout, r"cube_fivefold_L6\.json: .*\babc\b")
         self.assertEqual(len(self.calls()), 2)
 
     def test_invalid_names_are_reported_in_one_line(self):
         for words, message in (
-            (["slow"], "unknown set 'slow'"),
-            (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
-            (["--cage", "missing.obj"], "missing.obj: no such file"),
-            (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
-            (["--height", "x.exr"], "--height needs --cage"),
-            (["gpu", "--device", "nvidia"], "unknown --device 'nvidia'"),
-            (["--bench", "nothing"], "no such program"),
+            (["slow"], "set 'slow'.*quick"),
+            (["quick", "--scene", "teapot"], "scene 'teapot'.*cube, trex"),
+            (["--cage", "missing.obj"], r"missing\.obj: "),
+            (["--cage", str(SCRIPT), "--height", "missing.exr"], r"missing\.exr: "),
+            (["--height", "x.exr"], "--height .*--cage"),
+            (["gpu", "--device", "nvidia"], "--device 'nvidia'.*vulkan:N"),
+            (["--bench", "nothing"], "nothing: .*program"),
         ):
             command = self.command() + words if "--bench" in words else self.command(*words)
             done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=self.folder)
             self.assertEqual(done.returncode, 1, words)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn(message, done.stderr)
+            self.assertRegex(done.stderr, message)
             self.assertEqual(self.calls(), [])
 
     def test_failed_job_is_reported_and_others_continue(self):
@@ -219,7 +219,7 @@ class Benchmark(unittest.TestCase):
 
     def test_missing_scenes_are_left_out_with_a_message(self):
         done = self.run_script("quick", "--list")
-        self.assertIn("no scene 'frog'", done.stdout)
+        self.assertIn("scene 'frog'", done.stdout)
         self.assertIn("trex", done.stdout)
 
     def test_only_the_list_shows_durations(self):
@@ -249,14 +249,14 @@ class Benchmark(unittest.TestCase):
             command = [sys.executable, "-B", str(scripts / "benchmark.py"), *words]
             done = subprocess.run(command, capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("there is no build yet", done.stderr)
+            self.assertIn(str(scripts.parent / "build"), done.stderr)
             self.assertIn("trex", done.stdout)
             self.assertNotIn("left out", done.stdout)
         for words in ([], ["--list", "--bench", str(self.folder / "none")]):
             command = [sys.executable, "-B", str(scripts / "benchmark.py"), *words]
             done = subprocess.run(command, capture_output=True, text=True, timeout=60)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), words)
-            self.assertIn("no such program", done.stderr)
+            self.assertRegex(done.stderr, "(/none|cbvh_bench): .*program")
 
     def cage(self, faces):
         path = self.folder / f"own_{faces}.obj"
@@ -273,8 +273,8 @@ class Benchmark(unittest.TestCase):
             done = self.run_script("--cage", self.cage(6), f"--level={text}")
             if text:
                 self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), text)
-                self.assertIn(f"--level '{text}': expected levels from 0 to 8", done.stderr)
-        self.assertIn("--level needs --cage", self.run_script("quick", "--level", "4").stderr)
+                self.assertRegex(done.stderr, f"--level '{text}': .* 0 to 8")
+        self.assertRegex(self.run_script("quick", "--level", "4").stderr, "--level .*--cage")
 
     def test_estimate_of_own_cage_depends_on_its_size(self):
         def seconds(*words):
@@ -302,7 +302,7 @@ class Benchmark(unittest.TestCase):
         self.calls()
         (self.folder / "device").write_text("Device Two, driver 1")
         again = self.run_script("gpu-quick", "--scene", "cube")
-        self.assertIn("gpu_cube_L4-5.json: of the device Device One, driver 1; measured again", again.stdout)
+        self.assertRegex(again.stdout, r"gpu_cube_L4-5\.json: .*Device One, driver 1")
         self.assertEqual(self.calls(), ["cube 1 vulkan", "cube 4,5 vulkan"])
 
     def test_without_a_gpu_its_jobs_are_left_out_and_others_continue(self):
@@ -310,12 +310,12 @@ class Benchmark(unittest.TestCase):
         done = self.run_script("gpu-quick", "--scene", "cube")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.count("\n"), 1)
-        self.assertIn("gpu_cube, gpu_cube_cpu, as there is no Vulkan device: Vulkan has no driver", done.stdout)
+        self.assertRegex(done.stdout, "gpu_cube, gpu_cube_cpu, .*: Vulkan has no driver")
         self.assertEqual(self.calls(), ["cube 1 vulkan"])
         self.assertFalse(self.output.exists())
         done = self.run_script("full", "--scene", "cube")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("no Vulkan device", done.stdout)
+        self.assertIn("Vulkan has no driver", done.stdout)
         calls = self.calls()
         self.assertEqual([call for call in calls if "vulkan" in call], ["cube 1 vulkan"])
         self.assertIn("cube:0.45 6", calls)
@@ -329,7 +329,7 @@ class Benchmark(unittest.TestCase):
         self.set_mode("no float64")
         done = self.run_script("gpu-quick", "--scene", "cube")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("left out: cVERT", done.stdout)
+        self.assertRegex(done.stdout, "cVERT .*: the device has no shaderFloat64")
         command = json.loads((self.output / "gpu_cube_L4-5.json").read_text())["run"]["command"]
         self.assertNotIn("cvert", command)
 
@@ -337,7 +337,7 @@ class Benchmark(unittest.TestCase):
         self.set_mode("small")
         done = self.run_script("gpu-quick", "--scene", "cube")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertRegex(done.stdout, r"gpu_cube +level 4-5 left out: .*out of memory: nodes")
+        self.assertRegex(done.stdout, r"gpu_cube +level 4-5 .*out of memory: nodes")
 
     def test_commands_are_printed_and_not_run(self):
         done = self.run_script("gpu", "--scene", "trex", "--print-commands")

@@ -25,13 +25,13 @@ OBJ
 
 complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
 
-# expect_refusal PATTERN ARGUMENT...: expects a failure that is not a signal, and one matching line on stderr.
+# expect_refusal PATTERN ARGUMENT...: expects status 1, and one matching line on stderr.
 expect_refusal() {
   local pattern=$1
   shift
   "$program" "$@" >"$folder/stdout" 2>"$folder/stderr"
   local status=$?
-  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
+  [ $status = 1 ] || complain "exit status $status: $*"
   grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
   local lines
   lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented

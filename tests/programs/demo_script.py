@@ -10,6 +10,7 @@ The demo runs in a folder with a few sources. Stand-ins replace cbvh_render, cma
 
 import os
 import platform
+import re
 import shutil
 import subprocess
 import tempfile
@@ -122,7 +123,7 @@ class Demo(unittest.TestCase):
         output = self.run_demo()
         self.assertEqual(self.calls, ["cmake", "cmake"] + 4 * ["built"])
         self.assertNotIn("not used", output)
-        self.assertIn("output/ has no wheel", output)
+        self.assertRegex(output, "output/ .*wheel.*packages")
         self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
 
     def test_wheel_of_these_sources(self):
@@ -130,7 +131,7 @@ class Demo(unittest.TestCase):
         (self.tree / "docs/a.md").write_text("pages are not part of the programs")
         output = self.run_demo()
         self.assertEqual(self.calls, 4 * ["wheel"], output)
-        self.assertIn(f"output/{WHEEL} was built from these sources, and is used\n", output)
+        self.assertRegex(output, f"output/{re.escape(WHEEL)} .*these sources")
         self.assertIn("build/prebuilt/cbvh_render\n", output)
 
     def test_build_despite_a_wheel(self):
@@ -142,16 +143,16 @@ class Demo(unittest.TestCase):
             with self.subTest(name):
                 self.add_wheel()
                 (self.tree / name).write_text("2")
-                self.assertIn(f"output/{WHEEL} is not used: it was built from other sources\n", self.assert_built())
+                self.assertRegex(self.assert_built(), f"output/{re.escape(WHEEL)} .*other sources")
 
     def test_wheel_without_hash(self):
         with zipfile.ZipFile(self.output / WHEEL, "w") as wheel:
             wheel.writestr("embree_cbvh/bin/cbvh_render", RENDER.format(folder=self.folder, name="wheel"))
-        self.assertIn("is not used: it was built from other sources\n", self.assert_built())
+        self.assertRegex(self.assert_built(), f"output/{re.escape(WHEEL)} .*other sources")
 
     def test_damaged_wheel(self):
         (self.output / WHEEL).write_text("not an archive")
-        self.assertIn("is not used: it cannot be unpacked\n", self.assert_built())
+        self.assertRegex(self.assert_built(), f"output/{re.escape(WHEEL)} .*unpacked")
 
     def test_other_architecture(self):
         self.add_wheel("embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_riscv64.whl")
@@ -162,7 +163,7 @@ class Demo(unittest.TestCase):
         (self.folder / "library").unlink()
         (self.folder / "built").write_text((self.folder / "built").read_text().replace("library", "built"))
         self.add_wheel()
-        self.assertIn("is not used: cbvh_render does not start: libtbb.so.12: cannot open", self.assert_built())
+        self.assertRegex(self.assert_built(), f"output/{re.escape(WHEEL)} .*cbvh_render .*: libtbb.so.12: cannot open")
 
     def test_packages_of_these_sources(self):
         self.add_packages()
@@ -183,17 +184,17 @@ class Demo(unittest.TestCase):
         self.add_packages()
         output = self.run_demo("--short")
         self.assertEqual(self.calls[1:], ["cmake", "cmake", "built"], output)
-        self.assertIn("is not used: cbvh_render does not start: libtbb.so.12: cannot open", output)
+        self.assertRegex(output, "output/embree-cbvh-tools_.* cbvh_render .*: libtbb.so.12: cannot open")
 
     def test_library_of_other_sources(self):
         self.add_package("libembree3-cbvh", "libc6")
         (self.tree / "kernels/a.cpp").write_text("2")
         self.add_package("embree-cbvh-tools", "libc6")
-        self.assertIn("is not used: it was built from other sources\n", self.assert_built())
+        self.assertRegex(self.assert_built(), "output/embree-cbvh-tools_.* other sources")
 
     def test_package_of_the_library_is_missing(self):
         self.add_package("embree-cbvh-tools", "libc6")
-        self.assertIn("cannot be unpacked\n", self.assert_built())
+        self.assertRegex(self.assert_built(), "output/embree-cbvh-tools_.* output/libembree3-cbvh_.* unpacked")
 
 
 if __name__ == "__main__":

@@ -12,8 +12,7 @@ program=$1
 representations=${2:-naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only}
 . "$(dirname -- "$0")/cli.sh"
 
-# refuses PATTERN ARGUMENT...: expects a failure that is not a signal, one matching line on stderr, and an empty
-# output folder.
+# refuses PATTERN ARGUMENT...: expects status 1, one matching line on stderr, and an empty output folder.
 refuses() {
   local pattern=$1
   shift
@@ -34,79 +33,80 @@ sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"
 echo "no image" >"$folder/text.png"
 printf '\x76\x2f\x31\x01\x02\x00\x00\x00' >"$folder/short.exr"
 
-refuses "face needs at least three vertices" --cage "$folder/two.obj"
-refuses "index 7 is out of range" --cage "$folder/range.obj"
-refuses "no face is left" --cage "$folder/ring.obj"
-refuses "all faces are holes" --mesh "$folder/hole.obj"
-refuses "no faces" --cage "$folder/empty.obj"
-refuses "cannot be opened" --cage "$folder/missing.obj"
-refuses "no such height map" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "text.png: cannot read" --cage "$folder/quad.obj" --height "$folder/text.png"
-refuses "short.exr: cannot read" --cage "$folder/quad.obj" --height "$folder/short.exr"
+refuses "two.obj:9: .*face.* three .* 2" --cage "$folder/two.obj"
+refuses "range.obj:9: vertex index 7 .* 4 " --cage "$folder/range.obj"
+refuses "ring.obj: .* 16 .* 64 " --cage "$folder/ring.obj"
+refuses "hole.obj: .*holes" --mesh "$folder/hole.obj"
+refuses "empty.obj: .*no faces" --cage "$folder/empty.obj"
+refuses "missing.obj: " --cage "$folder/missing.obj"
+refuses "missing.exr: " --cage "$folder/quad.obj" --height "$folder/missing.exr"
+refuses "text.png: .*read" --cage "$folder/quad.obj" --height "$folder/text.png"
+refuses "short.exr: .*read" --cage "$folder/quad.obj" --height "$folder/short.exr"
 printf 'Ptex' >"$folder/map.ptx"
-refuses "map.ptx: " --cage "$folder/quad.obj" --height "$folder/map.ptx"
+refuses "map.ptx: .*Ptex" --cage "$folder/quad.obj" --height "$folder/map.ptx"
 if command -v oiiotool >/dev/null; then
   oiiotool --pattern noise:type=uniform 64x64 1 -d uint16 -o "$folder/whole.png"
   head -c $(($(stat -c %s "$folder/whole.png") / 2)) "$folder/whole.png" >"$folder/half.png"
-  refuses "half.png: cannot read" --cage "$folder/quad.obj" --height "$folder/half.png"
+  refuses "half.png: .*read" --cage "$folder/quad.obj" --height "$folder/half.png"
 fi
-refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
-refuses "unknown option --representaton, did you mean --representation" --scene cube --representaton grid
-refuses "amplitude 'x': expected a number" --scene cube --amplitude x
-refuses "exr 'x': expected no value" --scene cube --exr=x
+refuses "representation 'mesh'.*naive, naive-compact, grid" --scene cube --representation grid,mesh
+refuses "option --representaton, .*--representation" --scene cube --representaton grid
+refuses "amplitude 'x': .*number" --scene cube --amplitude x
+refuses "exr 'x': .*no value" --scene cube --exr=x
 refuses "scene 'teapot'.*cube, frog" --scene teapot
 for option in --json --export --save; do
-  refuses "${option#--} '$folder/missing/x': there is no folder $folder/missing" --scene cube "$option" \
+  refuses "${option#--} '$folder/missing/x': .*$folder/missing" --scene cube "$option" \
     "$folder/missing/x"
 done
 for option in --rays --true-surface; do
   refuses "${option#--}: .*-1" --scene cube --speed $option -1
 done
-refuses "count 0 is out of range" --scene herd --count 0
+refuses "count 0 .* 1 to 100000" --scene herd --count 0
 refuses "count .*--scene herd" --scene frog --count 3
-refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
-refuses "level 9 is out of range" --scene cube --level 9
-refuses "frame level '9'" --scene cube --frame-level 9
-refuses "frame level '9'" --scene cube --representation cleaf^9
-refuses "ambient" --scene cube --ambient -1
-refuses "size '16'" --scene cube --size 16
-refuses "view 'side'" --scene cube --view side
-refuses "unknown --isa 'mmx'" --scene cube --isa mmx
-refuses "one of --scene.*--cage.*--mesh" --level 2
-refuses "one of --scene.*--cage.*--mesh" --scene cube --cage "$folder/quad.obj"
-refuses "paint" --scene cube --paint red
-refuses "level" --scene cube --level six
-refuses "$folder/text.png/out: .*output folder" --scene cube --output "$folder/text.png/out"
+refuses "mapping 'ptex'.*faces.*atlas" --scene trex --mapping ptex
+refuses "level 9 .* 0 to 8" --scene cube --level 9
+refuses "frame level '9'.* 0 to 8" --scene cube --frame-level 9
+refuses "frame level '9'.* 0 to 8" --scene cube --representation cleaf^9
+refuses "ambient.* -1 .* 0 to 4096" --scene cube --ambient -1
+refuses "size '16'.*WIDTHxHEIGHT" --scene cube --size 16
+refuses "view 'side'.*full, close" --scene cube --view side
+refuses "isa 'mmx'.*avx2" --scene cube --isa mmx
+refuses "scene .*--cage .*--mesh " --level 2
+refuses "scene .*--cage .*--mesh " --scene cube --cage "$folder/quad.obj"
+refuses "option --paint" --scene cube --paint red
+refuses "level 'six'.* 0 to 8 or auto" --scene cube --level six
+refuses "$folder/text.png/out: .*Not a directory" --scene cube --output "$folder/text.png/out"
 
 for wrong in 0 -1 nan inf; do
-  refuses "quad-size $wrong: .*above 0" --scene cube "--quad-size=$wrong"
+  refuses "quad-size $wrong: .* 0" --scene cube "--quad-size=$wrong"
 done
 refuses "quad-size .*--level auto" --scene cube --level 3 --quad-size 2
 refuses "level auto .*naive" --scene cube --level auto --representation naive
 refuses "level auto .*naive-compact" --scene cube --level auto --representation naive-compact
-refuses "max-pixel-error nan: .*finite" --scene cube --max-pixel-error nan
+refuses "max-pixel-error nan: .*finite.* 0" --scene cube --max-pixel-error nan
 
-refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
-refuses "mid-level needs a height map" --cage "$folder/quad.obj" --mid-level 0.2
-refuses "vectors" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
-refuses "amplitude and --height-scale .*one of them" --cage "$folder/quad.obj" --height "$folder/text.png" \
+refuses "height-repeat 'many'.*3x2" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
+refuses "mid-level .*--height" --cage "$folder/quad.obj" --mid-level 0.2
+refuses "vectors.* world .*object.*tangent" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
+refuses "amplitude .*--height-scale " --cage "$folder/quad.obj" --height "$folder/text.png" \
   --amplitude 1 --height-scale 1
-refuses "height-repeat .*skin.<UDIM>.png" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png" --height-repeat 2
-refuses "skin.<UDIM>.png.*tile 1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png"
-refuses "up" --cage "$folder/quad.obj" --up w
+refuses "height-repeat .*skin.<UDIM>.png.* 1" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png" \
+  --height-repeat 2
+refuses "skin.<UDIM>.png: .*quad.obj .*1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png"
+refuses "up.* w .*auto.*-z" --cage "$folder/quad.obj" --up w
 refuses "up .*--cage" --scene cube --up z
-refuses "colors" --scene cube --colors magenta
-refuses "level is given 2 times" --scene cube --level 2 --level 3
-refuses "samples" --scene cube --samples 0
-refuses "representation excludes --compare" --scene cube --compare --representation grid
-refuses "quad.obj: --scene or --cage names another model" --scene cube "$folder/quad.obj"
-refuses "a height map needs a cage" "$folder/text.png"
+refuses "colors.* magenta .*neutral.*sides" --scene cube --colors magenta
+refuses "level .* 2 times" --scene cube --level 2 --level 3
+refuses "samples.* 0 .* 1 to " --scene cube --samples 0
+refuses "representation .*--compare" --scene cube --compare --representation grid
+refuses "quad.obj: --scene .*--cage " --scene cube "$folder/quad.obj"
+refuses "text.png: .*cage" "$folder/text.png"
 mkfifo "$folder/pipe.png"
-refuses "is a pipe or a device" --cage "$folder/quad.obj" --height "$folder/pipe.png"
+refuses "pipe.png: .*pipe" --cage "$folder/quad.obj" --height "$folder/pipe.png"
 
 if [ "$(id -u)" != 0 ]; then
   mkdir -p "$folder/closed" && chmod a-w "$folder/closed"
-  refuses "$folder/closed: cannot create files" --scene cube --output "$folder/closed"
+  refuses "$folder/closed: " --scene cube --output "$folder/closed"
 fi
 
 # Outputs of a run.
@@ -191,13 +191,13 @@ cmp "$folder/herd.out/herd_cvert.png" "$folder/herd_saved.out/herd_cvert.png" ||
 grep -q "2 geometries, 0 of them " "$folder/herd_saved" ||
   complain "no message about the build"
 [ ! -e "$folder/herd.cbvh.part" ] || complain "a partial file was left"
-refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
+refuses "save .*herd .*--ambient" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
-refuses "not a file of compressed surfaces" $herd --save "$folder/herd.cbvh"
-refuses "not a file of compressed surfaces\|only" --load "$folder/text.png"
-refuses "cube.cbvh: .*no model for --compare" "$folder/cube.cbvh" --compare
-refuses "cube.cbvh: .*no model for --level" --load "$folder/cube.cbvh" --level 3
-refuses "cube.cbvh: .*opened alone" --scene cube "$folder/cube.cbvh"
+refuses "invalid argument: .*herd.cbvh.part: .*compressed" $herd --save "$folder/herd.cbvh"
+refuses "invalid argument: .*text.png: .* 9 bytes" --load "$folder/text.png"
+refuses "cube.cbvh: .*--compare" "$folder/cube.cbvh" --compare
+refuses "cube.cbvh: .*--level" --load "$folder/cube.cbvh" --level 3
+refuses "cube.cbvh: .*alone.*model" --scene cube "$folder/cube.cbvh"
 refuses "load .*--scene" --scene cube --load "$folder/cube.cbvh"
 refuses "save .*representation" --scene cube --representation grid --save "$folder/none.cbvh"
 
@@ -256,7 +256,7 @@ run blurred --cage "$folder/quad.obj" --cage-end "$folder/end.obj" "${view[@]}"
 cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/of_end.out/end_cvert.png" ||
   complain "the end of --cage-end is not that cage"
 cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/blurred.out/quad_cvert.png" && complain "nothing is blurred"
-refuses "shutter" --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 2,3
+refuses "shutter '2,3'.* 0 to 1" --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 2,3
 refuses "end.obj" --cage "$folder/two_quads.obj" --cage-end "$folder/end.obj"
 
 # A cage that is clearly z up stands upright automatically, with a message. A cage with y up remains unchanged.
@@ -327,7 +327,8 @@ grep -q "magenta" "$folder/back_sides" || complain "no message about what magent
 
 # Cages that Embree treats by its own rules: a message and a picture.
 run edge --cage "$folder/edge.obj" --representation cleaf
-grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no message about an edge of three faces"
+grep -q "cbvh_render: warning: .*edge.obj: .*1 edge" "$folder/edge.err" ||
+  complain "no message about an edge of three faces"
 
 # Exporting and importing gives the same picture bit by bit, for meshes of quads, triangles, and both.
 for scene in cube frog; do
@@ -352,27 +353,27 @@ run hole --mesh "$folder/hole.obj" --compare
 faces=$(grep -c "^f" "$folder/cube.obj")
 grep -q "^hole: $((faces - 1)) faces" "$folder/hole" || complain "a hole has faces: $(cat "$folder/hole")"
 run plain --mesh "$folder/quad.obj"
-grep -q "nothing of the mesh is compressed" "$folder/plain.err" ||
+grep -q "^cVERT: .*mesh.* 256 " "$folder/plain.err" ||
   complain "no message about a mesh that is left to Embree: $(cat "$folder/plain.err")"
 for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
 echo "f 1 2 3 4 5" >>"$folder/five.obj"
-refuses "face 1 has 5 vertices" --mesh "$folder/five.obj"
-refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
+refuses "five.obj: face 1 .* 5 " --mesh "$folder/five.obj"
+refuses "scene .*--cage .*--mesh " --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100
 run moving --scene cube --motion turn --representation grid,cgrid,cleaf-only,cvert
-grep -q "cgrid is stored as cVERT" "$folder/moving.err" && grep -q "cleaf-only is GRID" "$folder/moving.err" &&
-  ! grep -q "cvert is" "$folder/moving.err" || complain "moving models: $(cat "$folder/moving.err")"
+grep -q "warning: cgrid .*cVERT" "$folder/moving.err" && grep -q "warning: cleaf-only .*GRID" "$folder/moving.err" &&
+  ! grep -q "warning: cvert" "$folder/moving.err" || complain "moving models: $(cat "$folder/moving.err")"
 refuses "true-surface .*--motion" --scene cube --motion turn --true-surface 100
 refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
-expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
+expect_refusal "mesh.* cLEAF.*grid.*cvert" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
   --output "$folder/cleaf.out"
 
 # Standard output that cannot be written.
 for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do
   # shellcheck disable=SC2086
   "$program" $arguments >/dev/full 2>"$folder/stderr" && complain "status 0 on a full disk: $arguments"
-  grep -q "standard output cannot be written" "$folder/stderr" || complain "no message about a full disk: $arguments"
+  grep -q "standard output .*No space left" "$folder/stderr" || complain "no message about a full disk: $arguments"
 done
 
 # Ctrl-C while a map is generated: status 130, and no partial file.

@@ -227,7 +227,7 @@ class Report(unittest.TestCase):
         (folder / "short_L4.json").write_text(text[:1000])
         done = self.run_process(folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stderr, r"\Areport\.py: warning: short_L4\.json: truncated.*; left out\n\Z")
+        self.assertRegex(done.stderr, r"\Areport\.py: warning: short_L4\.json: truncated.*\n\Z")
 
         html = (folder / "report.html").read_text()
         page = Page(html)
@@ -564,7 +564,8 @@ class Report(unittest.TestCase):
         for found in ("computed from 40.0 bytes per quad", "Levels by the view", "render GRID"):
             self.assertIn(found, page.read_text())
         done = self.run_script(self.records, "--scale", self.records, "--output", page)
-        self.assertIn("measure_scale.py makes it", done.stderr)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+        self.assertRegex(done.stderr, f"{self.records}: .*measure_scale.py")
 
     def test_former_names_of_the_scale_are_read(self):
         old = {"date": "2026-01-01", "herd": {"fileBytes": 1, "ownBytes": 2, "coldMapped": 3, "some": {"fileBytes": 4},
@@ -679,19 +680,20 @@ class Report(unittest.TestCase):
         ):
             done = self.run_script(folder, *words)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
-            self.assertIn("would replace the record cube_L2-6.json", done.stderr)
+            self.assertRegex(done.stderr, rf"{words[-1]}: .*record cube_L2-6\.json")
         done = self.run_script(folder, "--output", folder / "one", "--tables", folder / "./one")
-        self.assertIn("two of --output, --tables and --csv", done.stderr)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+        self.assertRegex(done.stderr, f"{folder}/one: .*--output.*--tables")
         self.assertEqual(before, {path: path.read_bytes() for path in before})
 
     def test_invalid_folders_are_reported_in_one_line(self):
         empty = Path(self.temporary.name) / "empty"
         empty.mkdir()
-        for folder, message in ((empty, "no measurements"), (empty / "none", "no such folder")):
+        for folder in (empty, empty / "none"):
             done = self.run_script(folder)
             self.assertEqual(done.returncode, 1)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn(message, done.stderr)
+            self.assertRegex(done.stderr, f"{folder}: .*benchmark.py")
 
     def test_run_does_not_differ_from_itself(self):
         data = self.data()
@@ -854,11 +856,10 @@ class Report(unittest.TestCase):
             self.assertEqual(html.split("<nav")[0], plain.split("<nav")[0], "the part about this machine is unchanged")
         none = self.run_script(self.records, "--output", output, "--gpu", elsewhere / "none.json")
         self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
-        self.assertIn("no such file or folder", none.stderr)
+        self.assertIn(f"{elsewhere}/none.json: ", none.stderr)
         other = self.run_without_charts(self.records, "--output", output, "--gpu", self.records)
         self.assertEqual(other.returncode, 0)
-        self.assertEqual(other.stderr,
-                         "report.py: warning: records: nothing in it was measured on a Vulkan device; left out\n")
+        self.assertRegex(other.stderr, r"\Areport\.py: warning: records: .*Vulkan.*\n\Z")
         (elsewhere / "short.json").write_text("{")
         damaged = self.run_without_charts(self.records, "--output", output, "--gpu", elsewhere)
         self.assertEqual((damaged.returncode, damaged.stderr.count("\n")), (0, 1))

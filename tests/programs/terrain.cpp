@@ -4,13 +4,16 @@
 /* cbvh_terrain: known sky-view factors, tiles that form one surface, and invalid arguments. */
 
 #include "basics/image_file.h"
+#include "support/message_parts.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -79,12 +82,12 @@ protected:
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
-  void expectRefusal(const std::string& arguments, const std::string& text)
+  void expectRefusal(const std::string& arguments, const std::vector<std::string>& parts)
   {
     const int status = std::system((std::string(PROGRAM) + " " + arguments + " --output " + folder
         + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
-    EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
+    EXPECT_TRUE(test::containsInOrder(textOf("/stderr"), parts));
   }
 
   std::string folder;
@@ -187,24 +190,26 @@ TEST_F(Terrain, MissingSamplesAreHoles)
 TEST_F(Terrain, LosslessVerticesDoNotMove)
 {
   run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills) + " --azimuths 4 --max-error 0");
-  EXPECT_NE(textOf("/stdout").find("a vertex moved: 0\n"), std::string::npos) << textOf("/stdout");
+  EXPECT_NE(textOf("/stdout").find("moved: 0\n"), std::string::npos) << textOf("/stdout");
 }
 
 /* Before horizons are computed, which may take hours. */
 TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
-  const std::pair<std::string, std::string> outputs[] = {{folder + "/missing/a.tif", "there is no folder"},
-                                                         {folder + "/a.xyz", "cannot be written"},
-                                                         {folder, "cannot be written: Is a directory"},
-                                                         {path, "would replace an input"},
-                                                         {"''", "invalid --output ''"}};
-  for (const auto& [output, text] : outputs)
+  const std::string missing = folder + "/missing", xyz = folder + "/a.xyz";
+  const std::pair<std::string, std::vector<std::string>> outputs[] = {
+    {missing + "/a.tif", {missing + "/a.tif", missing}},
+    {xyz, {xyz}},
+    {folder, {folder, std::strerror(EISDIR)}},
+    {path, {path, "input"}},
+    {"''", {"--output ''"}}};
+  for (const auto& [output, parts] : outputs)
   {
     const std::string command = std::string(PROGRAM) + " " + path + " --output " + output;
     const int status = std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << command;
-    EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
+    EXPECT_TRUE(test::containsInOrder(textOf("/stderr"), parts));
     EXPECT_EQ(textOf("/stdout"), "");
   }
 }
@@ -220,20 +225,22 @@ TEST_F(Terrain, AnyNameOfPngSelects16Bits)
 TEST_F(Terrain, InvalidArgumentsAreRejected)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
-  expectRefusal(path + " --crop 0,0,22,21", "invalid --crop 0,0,22,21: expected a part of 0,0,21,21");
-  expectRefusal(path + " --cell 0", "--cell 0");
-  expectRefusal(path + " --accuracy nan", "--accuracy nan");
-  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return NAN; }), "no quad");
-  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int x, int) { return x % 2 ? 3e38 : -3e38; }),
-                "no quad");
-  expectRefusal(path + " --height-repeat 0", "--height-repeat '0'");
-  expectRefusal(path + " --height-repeat 1.5", "--height-repeat '1.5'");
-  expectRefusal(path + " --height-repeat 1x100000", "--height-repeat 1x100000");
-  expectRefusal(path + " --embree nothing", "--embree");
-  expectRefusal(folder + "/missing.tif", "missing.tif");
-  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 1, 21, hills), "1 x 21");
+  expectRefusal(path + " --crop 0,0,22,21", {"--crop 0,0,22,21", "0,0,21,21"});
+  expectRefusal(path + " --cell 0", {"--cell 0"});
+  expectRefusal(path + " --accuracy nan", {"--accuracy nan", "0.001", "10"});
+  const std::string none = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return NAN; }),
+                    huge = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int x, int) { return x % 2 ? 3e38 : -3e38; });
+  expectRefusal(none, {none, "no quad"});
+  expectRefusal(huge, {huge, "no quad"});
+  expectRefusal(path + " --height-repeat 0", {"--height-repeat '0'", "1", "1000000"});
+  expectRefusal(path + " --height-repeat 1.5", {"--height-repeat '1.5'", " 1 ", "1000000"});
+  expectRefusal(path + " --height-repeat 1x100000", {"--height-repeat 1x100000", " 1000000 "});
+  expectRefusal(path + " --embree nothing", {"--embree"});
+  expectRefusal(folder + "/missing.tif", {folder + "/missing.tif"});
+  const std::string narrow = write<float>(OIIO::TypeDesc::FLOAT, 1, 21, hills);
+  expectRefusal(narrow, {narrow, "1 x 21"});
   ASSERT_EQ(mkfifo((folder + "/pipe.tif").c_str(), 0600), 0);
-  expectRefusal(folder + "/pipe.tif", "pipe.tif: this is a pipe");
+  expectRefusal(folder + "/pipe.tif", {folder + "/pipe.tif: ", "pipe"});
 }
 
 } // namespace

@@ -23,44 +23,44 @@ refuses() {
   [ ! -e "$folder/out.png" ] || complain "a file was written: $*"
 }
 
-refuses "unknown --scene 'teapot'" --scene teapot
-refuses "one of --scene.*--cage" --level 2
-refuses "cannot be opened" --cage "$folder/missing.obj"
-refuses "$folder/missing.obj: cannot be opened" "$folder/missing.obj"
+refuses "scene 'teapot'.*cube, frog" --scene teapot
+refuses "scene .*--cage .*--mesh " --level 2
+refuses "missing.obj: " --cage "$folder/missing.obj"
+refuses "$folder/missing.obj: " "$folder/missing.obj"
 refuses "quad.obj.*other.obj.*one cage" "$folder/quad.obj" "$folder/other.obj"
-refuses "needs a cage" "$folder/heights.png"
-refuses "$folder/missing.cbvh: cannot be opened" "$folder/missing.cbvh"
-refuses "opened alone" "$folder/quad.obj" "$folder/quad.cbvh"
-refuses "quad.cbvh: .*opened alone" --scene cube "$folder/quad.cbvh"
+refuses "heights.png: .*cage" "$folder/heights.png"
+refuses "$folder/missing.cbvh: " "$folder/missing.cbvh"
+refuses "quad.cbvh: .*alone.*one file" "$folder/quad.obj" "$folder/quad.cbvh"
+refuses "quad.cbvh: .*alone.*model" --scene cube "$folder/quad.cbvh"
 echo "no surfaces" > "$folder/text.cbvh"
-refuses "text.cbvh.*not a file of compressed surfaces" "$folder/text.cbvh"
-refuses "text.cbvh: .*no model for --level" "$folder/text.cbvh" --level 3
-refuses "show blocks needs a model" "$folder/text.cbvh" --show blocks
-refuses "quad.obj: --scene or --cage names another model" --scene cube "$folder/quad.obj"
-refuses "heights.png: --height names another height map" "$folder/quad.obj" "$folder/heights.png" \
+refuses "invalid argument: .*text.cbvh: .* 12 bytes" "$folder/text.cbvh"
+refuses "text.cbvh: .*--level" "$folder/text.cbvh" --level 3
+refuses "show blocks .*$folder/text.cbvh .*shading.*normals" "$folder/text.cbvh" --show blocks
+refuses "quad.obj: --scene .*--cage " --scene cube "$folder/quad.obj"
+refuses "heights.png: --height " "$folder/quad.obj" "$folder/heights.png" \
   --height "$folder/heights.png"
-refuses "unknown representation 'mesh'" --scene cube --representation mesh
-refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
-refuses "count 0 is out of range" --scene herd --count 0
-refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
-refuses "unknown --show 'pretty'" --scene cube --show pretty
-refuses "level 9 is out of range" --scene cube --level 9
-refuses "frame level '9'" --scene cube --frame-level 9
-refuses "size '16'" --scene cube --size 16
-refuses "view 'side'" --scene cube --view side
-refuses "unknown --isa 'mmx'" --scene cube --isa mmx
-refuses "threads -1 is negative" --scene cube --threads -1
-refuses "samples" --scene cube --samples 0
-refuses "time" --scene cube --motion turn --time 2
-refuses "time nan: expected 0 to 1" --scene cube --motion turn --time nan
-refuses "paint" --scene cube --paint red
-refuses "$folder/missing/out.png" --scene cube --level 2 --output "$folder/missing/out.png"
-refuses "$folder/out.txt" --scene cube --level 2 --output "$folder/out.txt"
+refuses "representation 'mesh'.*naive, naive-compact, grid" --scene cube --representation mesh
+refuses "representation 'grid,cleaf,cvoxel' .*two" --scene cube --representation grid,cleaf,cvoxel
+refuses "count 0 .* 1 to 100000" --scene herd --count 0
+refuses "mapping 'ptex'.*faces.*atlas" --scene trex --mapping ptex
+refuses "show 'pretty'.*shading" --scene cube --show pretty
+refuses "level 9 .* 0 to 8" --scene cube --level 9
+refuses "frame level '9'.* 0 to 8" --scene cube --frame-level 9
+refuses "size '16'.*WIDTHxHEIGHT" --scene cube --size 16
+refuses "view 'side'.*full, close" --scene cube --view side
+refuses "isa 'mmx'.*avx2" --scene cube --isa mmx
+refuses "threads -1 " --scene cube --threads -1
+refuses "samples.* 0 .* 1 to " --scene cube --samples 0
+refuses "time 2.* 0 to 1" --scene cube --motion turn --time 2
+refuses "time nan.* 0 to 1" --scene cube --motion turn --time nan
+refuses "option --paint" --scene cube --paint red
+refuses "output '$folder/missing/out.png': .*$folder/missing" --scene cube --level 2 --output "$folder/missing/out.png"
+refuses "$folder/out.txt: .*txt" --scene cube --level 2 --output "$folder/out.txt"
 
 "$program" --scene cube --level 2 >/dev/null 2>"$folder/stderr"
 status=$?
 [ $status = 1 ] || complain "exit status $status without a display"
-grep -q "^cbvh_viewer: cannot open a window" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
+grep -q "^cbvh_viewer: .*window.*--no-window" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
 
 for mode in shading normals error cells blocks; do
   for representation in naive naive-compact grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
@@ -142,8 +142,8 @@ cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not rota
 # Labels do not name what the library builds for motion.
 "$program" --scene cube --motion turn --level 2 --size 64x64 --representation cleaf,cleaf-only --no-window \
   --output "$folder/moving.png" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
-grep -q "^cbvh_viewer: warning: cleaf is stored as cVERT" "$folder/stderr" &&
-  grep -q "^cbvh_viewer: warning: cleaf-only is GRID" "$folder/stderr" ||
+grep -q "^cbvh_viewer: warning: cleaf .*cVERT" "$folder/stderr" &&
+  grep -q "^cbvh_viewer: warning: cleaf-only .*GRID" "$folder/stderr" ||
   complain "no warning about blocks with frames: $(cat "$folder/stderr")"
 
 # One thread and two threads must give the same picture.

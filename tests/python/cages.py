@@ -69,8 +69,8 @@ class Cages(unittest.TestCase):
         np.testing.assert_array_equal(a.uv_indices[:8], [0, 1, 2, 3, none, none, none, none])
         np.testing.assert_array_equal(a.uv_indices, b.uv_indices)
         cbvh.Model(b).tessellate(1)
-        for cage, text in ((a, r"cube.obj:14: this face has no texture coordinates, and height needs .*1 of 6"),
-                           (b, "there are faces that have no texture coordinates, and height needs")):
+        for cage, text in ((a, r"cube.obj:14: .*texture coordinates.*\bheight\b.* 1 .*\b6\b"),
+                           (b, r"texture coordinates.*\bheight\b.* 1 .*\b6\b")):
             with self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model(cage, np.zeros((4, 4)))
         with self.assertRaisesRegex(ValueError, "uv_indices: face 0 .*corners"):
@@ -117,43 +117,43 @@ class Cages(unittest.TestCase):
         nan = vertices.copy()
         nan[3, 1] = np.nan
         for error, text, arguments, options in (
-                (ValueError, r"vertices: has shape \(9, 2\).*\(n, 3\)", (vertices[:, :2], faces), {}),
-                (ValueError, "vertices: row 3 is not finite", (nan, faces), {}),
-                (TypeError, "vertices: is an array of complex128", (vertices + 1j, faces), {}),
-                (TypeError, "vertices: is an array of <U1", ("x", faces), {}),
-                (TypeError, "vertices: is ", ([[1, 2], [3]], faces), {}),
-                (TypeError, "indices: is an array of float64.*integers", (vertices, faces * 1.0), {}),
+                (ValueError, r"vertices: .*\(9, 2\).*\(n, 3\)", (vertices[:, :2], faces), {}),
+                (ValueError, "vertices: row 3 .*finite", (nan, faces), {}),
+                (TypeError, "vertices: .*complex128", (vertices + 1j, faces), {}),
+                (TypeError, "vertices: .*<U1", ("x", faces), {}),
+                (TypeError, "vertices: .*array", ([[1, 2], [3]], faces), {}),
+                (TypeError, "indices: .*float64.*integers", (vertices, faces * 1.0), {}),
                 (ValueError, "indices: .* -1.* 0 to 8", (vertices, faces - 1), {}),
                 (ValueError, "indices: .* 9.* 0 to 8", (vertices, faces + 1), {}),
-                (ValueError, "indices: contains 18446744073709551615:",
+                (ValueError, "indices: .* 18446744073709551615.* 0 to 8",
                  (vertices, np.full(faces.shape, 2**64 - 1, np.uint64)), {}),
-                (ValueError, "indices: has shape", (vertices, flat), {}),
-                (ValueError, "indices: has shape", (vertices, []), {}),
-                (ValueError, "indices: has no faces", (vertices, [], []), {}),
-                (ValueError, "face_vertex_counts: adds up to 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
-                (ValueError, "face_vertex_counts: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
+                (ValueError, r"indices: .*\(16,\)", (vertices, flat), {}),
+                (ValueError, r"indices: .*\(0,\)", (vertices, []), {}),
+                (ValueError, "indices: .*no faces", (vertices, [], []), {}),
+                (ValueError, "face_vertex_counts: .* 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
+                (ValueError, "face_vertex_counts: face 1 .* 2 ", (vertices, flat, [4, 2, 4, 6]), {}),
                 (ValueError, "uvs: .* 4 .*vertex, 9", (vertices, faces), {"uvs": np.zeros((4, 2))}),
                 (ValueError, "^uv_indices: .*uvs", (vertices, faces), {"uv_indices": flat}),
                 (ValueError, "uv_indices: .* 4 .*indices, 16", (vertices, faces),
                  {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
-                (ValueError, r"crease_edges: has shape \(3,\).*\(n, 2\)", (vertices, faces),
+                (ValueError, r"crease_edges: .*\(3,\).*\(n, 2\)", (vertices, faces),
                  {"crease_edges": [0, 1, 2]}),
                 (ValueError, "crease_sharpness: .* 2 .* 1", (vertices, faces),
                  {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
                 (ValueError, "corner_sharpness: .* -1", (vertices, faces),
                  {"corner_vertices": [0], "corner_sharpness": -1}),
                 (ValueError, "holes: .* 4.* 0 to 3", (vertices, faces), {"holes": [4]}),
-                (ValueError, "boundary: is 'round'.*'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
+                (ValueError, "boundary: .*'round'.*'none'.*'edge_and_corner'.*'edge_only'", (vertices, faces),
                  {"boundary": "round"}),
                 (cbvh.Error, "mine: face 1 .*vertex 1 ", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
-                (cbvh.Error, "mine: no face is left.* 16 vertices", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
+                (cbvh.Error, "mine: .* 16 .* 64 ", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 
     def test_unreadable_files_are_reported_by_name(self):
         with self.assertRaisesRegex(cbvh.Error, "/nowhere/body.obj"):
             cbvh.Cage.load("/nowhere/body.obj")
-        with self.assertRaisesRegex(cbvh.Error, r"cube.obj:14: vertex index 55"):
+        with self.assertRaisesRegex(cbvh.Error, r"cube.obj:14: vertex index 55 .* 8 "):
             self.load(CUBE.replace("f 6/1 5/2", "f 6/1 55/2"))
         self.assertTrue(issubclass(cbvh.Error, ValueError))
 

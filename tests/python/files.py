@@ -3,8 +3,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes are saved and loaded with bit-identical hits."""
 
+import errno
 import os
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -69,7 +71,7 @@ class Files(unittest.TestCase):
     def test_paths_may_contain_bytes_that_are_not_utf8(self):
         folder = os.path.dirname(self.path)
         cage_path, path = (os.path.join(folder, os.fsdecode(name)) for name in (b"quad\xff.obj", b"sheet\xff.cbvh"))
-        with self.assertRaisesRegex(cbvh.Error, "No such file"):
+        with self.assertRaisesRegex(cbvh.Error, "sheet.*" + os.strerror(errno.ENOENT)):
             cbvh.load(path)
         with open(cage_path, "w", encoding="ascii") as file:
             file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
@@ -94,20 +96,21 @@ class Files(unittest.TestCase):
             lambda scene: scene.trace_seconds(origins, directions),
         )
         for call in calls:
-            with self.assertRaisesRegex(cbvh.Error, "damaged"):
+            with self.assertRaisesRegex(cbvh.Error, re.escape(self.path) + r": .*block.* \d"):
                 call(cbvh.load(self.path))
 
     def test_failed_saves_and_loads_report_the_reason(self):
         with self.assertRaisesRegex(ValueError, "compressed"):
             cbvh.build(bumpy_model(), "grid", 3).save(self.path)
-        with self.assertRaisesRegex(cbvh.Error, "No such file"):
+        path = re.escape(self.path)
+        with self.assertRaisesRegex(cbvh.Error, f"{path}: .*{os.strerror(errno.ENOENT)}"):
             cbvh.load(self.path)
         cbvh.build(bumpy_model(), "cvert", 3).save(self.path)
         with open(self.path, "r+b") as file:
             file.truncate(5000)
-        with self.assertRaisesRegex(cbvh.Error, "truncated"):
+        with self.assertRaisesRegex(cbvh.Error, f"{path}: .* 5000 "):
             cbvh.load(self.path)
-        with self.assertRaisesRegex(cbvh.Error, "cannot be written"):
+        with self.assertRaisesRegex(cbvh.Error, f"{path}/none: "):
             cbvh.build(bumpy_model(), "cvert", 3).save(os.path.join(self.path, "none"))
 
     def test_scene_does_not_replace_its_own_cage_or_map(self):
@@ -121,7 +124,7 @@ class Files(unittest.TestCase):
         model = cbvh.Model(cbvh.Cage.load(cage_path), map_path, amplitude=0.1)
         scene = cbvh.build(model, "cvert", 3)
         for path in (cage_path, map_path):
-            with self.assertRaisesRegex(cbvh.Error, "would replace an input of this run"):
+            with self.assertRaisesRegex(cbvh.Error, re.escape(path) + ": .*input"):
                 scene.save(path)
         with open(cage_path, encoding="ascii") as file:
             self.assertEqual(file.read(), cage)

@@ -57,7 +57,7 @@ class Progress(unittest.TestCase):
         self.works()
 
     def test_progress_must_not_build(self):
-        with self.assertRaisesRegex(RuntimeError, "progress cannot build or trace"):
+        with self.assertRaisesRegex(RuntimeError, "progress"):
             cbvh.build(bumpy_model(), level=4, progress=lambda *_: cbvh.build(bumpy_model(), level=3))
         self.works()
 

@@ -86,8 +86,7 @@ class Heights(unittest.TestCase):
 
     def test_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
         cage = cbvh.Cage(*sheet_arrays(), name="plain")
-        with self.assertWarnsRegex(UserWarning,
-                                   "^plain has no texture coordinates: each face gets the whole of height"):
+        with self.assertWarnsRegex(UserWarning, r"^plain .*\bheight\b.*border"):
             cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -99,13 +98,13 @@ class Heights(unittest.TestCase):
         nan = np.zeros((4, 4))
         nan[2, 1] = np.inf
         for error, text, arguments in (
-                (ValueError, r"height: has shape \(4,\).*\(rows, columns\)", (np.zeros(4),)),
-                (ValueError, r"height: has shape \(0, 4\)", (np.zeros((0, 4)),)),
-                (ValueError, "height: row 2, column 1 is not finite", (nan,)),
-                (ValueError, "height: has masked elements", (np.ma.masked_equal(np.eye(4), 0),)),
-                (TypeError, "height: is an array of complex", (np.zeros((4, 4), complex),)),
+                (ValueError, r"height: .*\(4,\).*\(rows, columns\)", (np.zeros(4),)),
+                (ValueError, r"height: .*\(0, 4\)", (np.zeros((0, 4)),)),
+                (ValueError, "height: row 2, column 1 .*finite", (nan,)),
+                (ValueError, "height: .*masked", (np.ma.masked_equal(np.eye(4), 0),)),
+                (TypeError, "height: .*complex128", (np.zeros((4, 4), complex),)),
                 (ValueError, "^amplitude: .*height", (None, 1.0)),
-                (ValueError, "amplitude: is not finite", (np.zeros((4, 4)), np.nan)),
+                (ValueError, "amplitude: .*finite", (np.zeros((4, 4)), np.nan)),
                 (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Model(sheet(), *arguments)
@@ -122,10 +121,10 @@ class Scenes(unittest.TestCase):
         self.assertLess(flat[1, 0], spiky[1, 0])
 
     def test_invalid_options_are_reported_by_their_python_names(self):
-        for text, name, options in (("unknown scene 'cow'.*cube", "cow", {}),
+        for text, name, options in ((r"(?<!-)\bscene 'cow'.*cube", "cow", {}),
                                     ("^rough .*scene trex", "cube", {"rough": True}),
                                     ("^count .*scene herd", "cube", {"count": 3}),
-                                    ("^unknown mapping 'sphere'", "trex", {"mapping": "sphere"})):
+                                    (r"(?<!-)\bmapping 'sphere'.*faces.*atlas", "trex", {"mapping": "sphere"})):
             with self.subTest(text), self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model.generate(name, **options)
 
@@ -170,7 +169,7 @@ class Meshes(unittest.TestCase):
         self.assertEqual(quads.max(), len(vertices) - 1)
         with self.assertRaisesRegex(cbvh.Error, "^level 0: face 1 .*quad"):
             model.tessellate(0)
-        with self.assertRaisesRegex(cbvh.Error, "^level 9 is out of range"):
+        with self.assertRaisesRegex(cbvh.Error, "^level 9 .* 0 to 8"):
             model.tessellate(9)
 
 

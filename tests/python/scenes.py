@@ -81,12 +81,12 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(scene.stored_mesh(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
         np.testing.assert_allclose(scene.stored_mesh()["vertices"][:, 2], 0, atol=1e-5)
         for time in (-1, -0.1, 1.1, 1.5, np.nan):
-            with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+            with self.assertRaisesRegex(ValueError, f"time: .*{time}.* 0 to 1"):
                 scene.triangles(hits, time=time)
-            with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+            with self.assertRaisesRegex(ValueError, f"time: .*{time}.* 0 to 1"):
                 scene.stored_mesh(time=time)
             for trace in (scene.intersect, scene.occluded):
-                with self.assertRaisesRegex(ValueError, "time: is .*expected 0 to 1"):
+                with self.assertRaisesRegex(ValueError, f"time: .*{time}.* 0 to 1"):
                     trace([0, 0, 1], [0, 0, -1], time=[0.5, time])
 
     def test_models_report_their_steps(self):
@@ -96,9 +96,9 @@ class Motion(unittest.TestCase):
     def test_invalid_motion_is_rejected(self):
         with self.assertRaisesRegex(ValueError, r"poses: .*\(2, 35, 3\).*\(steps, 36, 3\)"):
             cbvh.Model(sheet(), poses=np.zeros((2, 35, 3)))
-        with self.assertRaisesRegex(cbvh.Error, "unknown motion 'jump'"):
+        with self.assertRaisesRegex(cbvh.Error, r"(?<!-)\bmotion 'jump'.*turn.*bend.*twist.*walk"):
             cbvh.Model.generate("cube", motion="jump")
-        with self.assertRaisesRegex(cbvh.Error, "NAIVE do not move"):
+        with self.assertRaisesRegex(cbvh.Error, "NAIVE .*move"):
             cbvh.build(rising_model(), "naive", 3)
 
 
@@ -186,16 +186,16 @@ class Rays(unittest.TestCase):
     def test_invalid_arrays_are_reported_by_name(self):
         scene = self.scene
         for error, text, arguments in (
-                (ValueError, r"origins: has shape \(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
-                (ValueError, r"directions: has shape \(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors",
+                (ValueError, r"origins: .*\(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
+                (ValueError, r"directions: .*\(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
+                (ValueError, r"origins .*\(2,\).*directions .*\(3,\)",
                  (np.zeros((2, 3)), np.ones((3, 3)))),
-                (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
-                (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
+                (TypeError, "tfar: .*<U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
+                (TypeError, "origins: .*object", (None, [0, 0, 1]))):
             for query in (scene.intersect, scene.occluded):
                 with self.subTest(text), self.assertRaisesRegex(error, text):
                     query(*arguments)
-        with self.assertRaisesRegex(ValueError, "threads: is -1"):
+        with self.assertRaisesRegex(ValueError, "threads: .*-1"):
             scene.intersect([0, 0, 0], [0, 0, 1], threads=-1)
         with self.assertRaisesRegex(cbvh.Error, "packet5"):
             scene.trace_seconds([0, 0, 0], [0, 0, 1], mode="packet5")
@@ -272,16 +272,16 @@ class Building(unittest.TestCase):
 
     def test_invalid_arguments_are_reported_by_name(self):
         for error, text, options in (
-                (cbvh.Error, "unknown representation 'cmesh'.*naive", {"representation": "cmesh"}),
-                (ValueError, "representation: 'grid,cvert' names several", {"representation": "grid,cvert"}),
-                (cbvh.Error, "^level 9 is out of range.* 0 to 8", {"level": 9}),
-                (cbvh.Error, "^level -1 is out of range", {"level": -1}),
-                (cbvh.Error, "frame level '9'.* 0 to 8 or auto", {"representation": "cleaf", "frame_level": 9}),
-                (ValueError, "max_error: is -1", {"max_error": -1}),
+                (cbvh.Error, r"(?<!-)\brepresentation 'cmesh'.*naive", {"representation": "cmesh"}),
+                (ValueError, "representation: .*'grid,cvert'.*several", {"representation": "grid,cvert"}),
+                (cbvh.Error, "^level 9 .* 0 to 8", {"level": 9}),
+                (cbvh.Error, "^level -1 .* 0 to 8", {"level": -1}),
+                (cbvh.Error, "frame level '9'.* 0 to 8.*auto", {"representation": "cleaf", "frame_level": 9}),
+                (ValueError, "max_error: .*-1", {"max_error": -1}),
                 (ValueError, "^max_pixel_error: .*camera", {"max_pixel_error": 1}),
-                (cbvh.Error, "^threads -1 is negative", {"threads": -1}),
-                (cbvh.Error, "^unknown isa 'neon'", {"isa": "neon"}),
-                (cbvh.Error, "device", {"device": "abacus"}),
+                (cbvh.Error, "^threads -1 ", {"threads": -1}),
+                (cbvh.Error, r"(?<!-)\bisa 'neon'", {"isa": "neon"}),
+                (cbvh.Error, r"(?<!-)\bdevice 'abacus'.*cpu.*vulkan.*ray-query", {"device": "abacus"}),
                 (TypeError, "progress: .*None .*callable", {"progress": 3})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.build(sheet(), **options)
@@ -289,7 +289,7 @@ class Building(unittest.TestCase):
             cbvh.build("body.obj")
 
     def test_insufficient_memory_is_detected_before_the_build(self):
-        with self.assertRaisesRegex(MemoryError, "not enough memory: NAIVE on 5898.2 million quads"):
+        with self.assertRaisesRegex(MemoryError, "NAIVE .* 5898.2 million quads"):
             cbvh.build(sheet(300), "naive", 8)
 
 
@@ -336,22 +336,22 @@ class Cameras(unittest.TestCase):
 
     def test_invalid_arguments_are_reported_by_name(self):
         for text, arguments in (("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
-                                (r"eye: has shape \(2,\)", ((0, 0), (0, 0, 1))),
-                                ("eye: is not finite", ((0, 0, np.nan), (0, 0, 1))),
-                                ("look_at: is 1e.30 away", ((0, 0, 1e30), (0, 0, 0))),
-                                ("up: has length 0", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
-                                ("fov: is 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
-                                (r"size: is \(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):
+                                (r"eye: .*\(2,\)", ((0, 0), (0, 0, 1))),
+                                ("eye: .*finite", ((0, 0, np.nan), (0, 0, 1))),
+                                ("look_at: .*1e.30", ((0, 0, 1e30), (0, 0, 0))),
+                                ("up: .* 0:", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
+                                ("fov: .* 180.* 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
+                                (r"size: .*\(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 cbvh.Camera(*arguments)
         scene = cbvh.build(sheet(), "grid", 3)
-        with self.assertRaisesRegex(ValueError, "view: is 'top'.*'full' or 'close'"):
+        with self.assertRaisesRegex(ValueError, "view: .*'top'.*'full'.*'close'"):
             scene.camera("top")
         hits = scene.intersect([[0.5, 0.5, 1]], [0, 0, -1])
         with self.assertRaisesRegex(ValueError, "hits: .* 1 .* 576.*origins"):
             cbvh.bounce_rays(hits, *rays_from_above(), offset=0)
         for offset in (-1, np.nan):
-            with self.assertRaisesRegex(ValueError, "offset: is -?[1n].*at least 0"):
+            with self.assertRaisesRegex(ValueError, "offset: .*(-1|nan).* 0"):
                 cbvh.bounce_rays(hits, [[0.5, 0.5, 1]], [0, 0, -1], offset=offset)
 
 
