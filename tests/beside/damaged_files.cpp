@@ -86,7 +86,6 @@ struct Damaged : testing::Test
   {
     EXPECT_EQ(reported.errors, 1u);
     EXPECT_EQ(reported.code, code);
-    EXPECT_EQ(cbvhGetErrorText(), reported.text);
     ASSERT_TRUE(containsInOrder(reported.text, {path, "block"}));
     const char* const digits = "0123456789";
     const size_t block = reported.text.find("block", reported.text.find(path) + path.size());
@@ -143,6 +142,7 @@ TEST_F(Damaged, IsReportedByRays)
     SCOPED_TRACE(name);
     CbvhGroup group = load();
     trace(group, rays());
+    EXPECT_EQ(cbvhGetErrorText(), reported.text);
     expectOne(CBVH_ERROR_INVALID_ARGUMENT);
     cbvhReleaseGroup(group);
   }
@@ -160,6 +160,7 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
     SCOPED_TRACE(name);
     CbvhGroup group = load();
     EXPECT_EQ(call(cbvhGetGroupSurface(group, 0)), CBVH_ERROR_INVALID_OPERATION);
+    EXPECT_EQ(cbvhGetErrorText(), reported.text);
     expectOne(CBVH_ERROR_INVALID_OPERATION);
     cbvhReleaseGroup(group);
   }
