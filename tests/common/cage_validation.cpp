@@ -113,7 +113,7 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_EQ(linesOf(result.warnings), 1);
   const std::string several = checked(withFaces(18, {{1, 0, 17}, ring, ring, ring})).warnings;
   EXPECT_TRUE(containsInOrder(several, {"test: ", "face 2 ", " 17 ", " 2 ", " 16"}));
-  EXPECT_EQ(linesOf(several), 1);
+  EXPECT_EQ(several.rfind("face 2 "), several.find("face 2 "));
   EXPECT_TRUE(containsInOrder(errorOf(withFaces(17, {ring})), {"test: ", " 16 ", " 64 "}));
 }
 
