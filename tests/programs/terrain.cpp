@@ -233,7 +233,7 @@ TEST_F(Terrain, InvalidArgumentsAreRejected)
   expectRefusal(none, {none, "no quad"});
   expectRefusal(huge, {huge, "no quad"});
   expectRefusal(path + " --height-repeat 0", {"--height-repeat '0'", " 3x2"});
-  expectRefusal(path + " --height-repeat 1.5", {"--height-repeat '1.5'", " 3x2"});
+  expectRefusal(path + " --height-repeat 1.5", {"--height-repeat '1.5'", " 1 ", "1000000"});
   expectRefusal(path + " --height-repeat 1x100000", {"--height-repeat 1x100000", " 1000000 "});
   expectRefusal(path + " --embree nothing", {"--embree"});
   expectRefusal(folder + "/missing.tif", {folder + "/missing.tif"});
