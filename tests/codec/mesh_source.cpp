@@ -248,14 +248,18 @@ TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted)
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0},
     {-0.0f, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 2}, {0, 1, 8}, {0, ~0u, 1},  // invalid: 5
-                    {0, 0, 1}, {1, 2, 1}, {0, 1, 6}, {0, 7, 1},                          // degenerate: 4
-                    {2, 1, 6}};
+                    {0, 0, 1}, {1, 2, 1}, {0, 7, 1},                                     // two equal corners: 3
+                    {2, 1, 6}, {0, 1, 6}};                                               // the second one is flat
   const Stored stored(mesh, -10);
   EXPECT_EQ(stored.report.invalidTriangles, 5u);
-  EXPECT_EQ(stored.report.degenerateTriangles, 4u);
-  ASSERT_EQ(stored.triangles.size(), 2u);
-  EXPECT_EQ(stored.triangles.count(0), 1u);
-  EXPECT_EQ(stored.triangles.count(10), 1u);
+  EXPECT_EQ(stored.report.degenerateTriangles, 3u);
+  ASSERT_EQ(stored.triangles.size(), 3u);
+  for (uint32_t i : {0u, 9u, 10u}) EXPECT_EQ(stored.triangles.count(i), 1u) << i;
+  mesh.triangles = {{0, 1, 6}};
+  EXPECT_EQ(Stored(mesh, -10).blocks, 1u);
+  const Stored coarse(mesh, 4); // all corners snap to 0
+  EXPECT_EQ(coarse.report.degenerateTriangles, 1u);
+  EXPECT_EQ(coarse.blocks, 0u);
   EXPECT_EQ(Stored(Mesh(), -10).blocks, 0u);
 }
 

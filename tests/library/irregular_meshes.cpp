@@ -8,6 +8,8 @@
 #include "support/irregular_mesh.h"
 #include "support/memory.h"
 #include "support/same_hits.h"
+#include <map>
+#include <utility>
 
 namespace cbvh::test {
 namespace {
@@ -77,6 +79,71 @@ TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak)
           : mesh.quads[random.below(unsigned(mesh.size()))].data();
         const unsigned n = mesh.isTriangleForm() ? 3 : 4, k = random.below(n);
         rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
+      }
+      expectNoneMisses(scene, rays);
+    }
+  }
+}
+
+// Divides edges of some triangles of a closed mesh in the middle. A flat triangle closes the gap to the undivided
+// neighbor, alone or as half of a quad.
+DicedMesh dividedOnOneSide(DicedMesh mesh, Random& random, bool asQuads)
+{
+  DicedMesh out;
+  for (Vec& p : mesh.vertices)
+    for (float& x : p) x = roundTo(x, 0x1p-12);
+  out.vertices = mesh.vertices;
+  std::map<std::pair<unsigned, unsigned>, size_t> triangleAt;
+  for (size_t i = 0; i < mesh.triangles.size(); i++)
+    for (int c = 0; c < 3; c++) triangleAt[{mesh.triangles[i][c], mesh.triangles[i][(c + 1) % 3]}] = i;
+  const auto add = [&](unsigned a, unsigned b, unsigned c) {
+    if (asQuads) out.quads.push_back({a, b, c, c});
+    else out.triangles.push_back({a, b, c});
+  };
+  std::vector<bool> isDone(mesh.triangles.size());
+  for (size_t i = 0; i < mesh.triangles.size(); i++) {
+    const auto [a, b, c] = mesh.triangles[i];
+    const size_t neighbor = triangleAt.at({b, a});
+    if (isDone[i] || isDone[neighbor] || random.chance(0.5)) continue;
+    const unsigned middle = unsigned(out.vertices.size());
+    Vec m;
+    for (int k = 0; k < 3; k++) m[k] = 0.5f*(mesh.vertices[a][k] + mesh.vertices[b][k]); // exact
+    out.vertices.push_back(m);
+    add(a, middle, c);
+    add(middle, b, c);
+    isDone[i] = true;
+    const auto& t = mesh.triangles[neighbor];
+    const unsigned d = t[0] != a && t[0] != b ? t[0] : t[1] != a && t[1] != b ? t[1] : t[2];
+    if (asQuads) out.quads.push_back({middle, a, d, b});
+    else {
+      add(a, b, middle);
+      add(b, a, d);
+    }
+    isDone[neighbor] = true;
+  }
+  for (size_t i = 0; i < mesh.triangles.size(); i++)
+    if (!isDone[i]) add(mesh.triangles[i][0], mesh.triangles[i][1], mesh.triangles[i][2]);
+  return out;
+}
+
+TEST_P(IrregularMeshes, FlatTrianglesCloseGaps)
+{
+  for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.02"}) {
+    Device device((GetParam() + std::string(error)).c_str());
+    if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
+    Random random(154);
+    const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005),
+                    closed = irregularTriangles(ball, random);
+    for (bool asQuads : {false, true}) {
+      SCOPED_TRACE(std::string(error) + (asQuads ? ", quads" : ", triangles"));
+      const DicedMesh mesh = dividedOnOneSide(closed, random, asQuads);
+      ASSERT_GT(mesh.vertices.size(), closed.vertices.size() + 500);
+      const MeshScene scene(device, mesh);
+      ASSERT_GT(statisticsOf(scene).numIrregularQuads, 1000u);
+      std::vector<RTCRayHit> rays;
+      for (unsigned i = 0; i < 20000; i++) {
+        const auto& t = closed.triangles[random.below(unsigned(closed.triangles.size()))];
+        rays.push_back(rayFromMiddle(random, mesh.vertices[t[0]], mesh.vertices[t[1]]));
       }
       expectNoneMisses(scene, rays);
     }

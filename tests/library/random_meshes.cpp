@@ -120,7 +120,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     const auto isFinite = [&](unsigned k) {
       return std::isfinite(mesh.vertices[k][0] + mesh.vertices[k][1] + mesh.vertices[k][2]);
     };
-    // the triangle that contains the point (u,u); mesh blocks leave it out if it has no area
+    // the triangle that contains the point (u,u); mesh blocks may leave it out if it has no area
     const unsigned halves[2][3] = {{0, 1, corners == 3 ? 2u : 3u}, {2, 3, 1}};
     const auto hasArea = [&](const unsigned* v, float u) {
       const unsigned* half = halves[u > 0.5f];

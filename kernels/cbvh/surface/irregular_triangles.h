@@ -196,7 +196,7 @@ namespace embree
         return square;
       }
 
-      /*! True if no ray can hit the triangle of a mesh with one time step, because it has no area. */
+      /*! True if no ray can hit the triangle of a mesh with one time step, because two corners are equal. */
       bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];

@@ -42,7 +42,8 @@ namespace embree
             triangle.number = source.mesh.triangleOf(cluster[i].index,k);
             if (source.mesh.areHalvesOfQuads() && source.isDegenerate(triangle.number)) continue; // a quad's empty half
             squaredDeviation = max(squaredDeviation,source.snapCorners(triangle.number,triangle.corners));
-            numTriangles += hasDistinctCorners(triangle); // rounding to an adjacent grid's lattice can collapse it
+            const float (&c)[3][3] = triangle.corners;
+            numTriangles += !cbvh::MeshLattice::isDegenerate(c[0],c[1],c[2]); // rounding can make corners equal
           }
         });
         statistics.addDeviation(squaredDeviation);
@@ -81,13 +82,6 @@ namespace embree
       }
 
     private:
-      static bool hasDistinctCorners (const cbvh::MeshTriangle& triangle)
-      {
-        auto areEqual = [](const float* p, const float* q) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; };
-        const float (&c)[3][3] = triangle.corners;
-        return !areEqual(c[0],c[1]) && !areEqual(c[1],c[2]) && !areEqual(c[2],c[0]);
-      }
-
       /*! Stores the encoded block. blockTriangles: its `count` triangles, with rounded corners. */
       void commitBlock (size_t bytes, const cbvh::MeshTriangle* blockTriangles, uint32_t count)
       {

@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
-    size_t degenerateTriangles = 0; //!< omitted because they have no area
+    size_t degenerateTriangles = 0; //!< omitted because two corners are equal, if necessary after snapping
     size_t finerVertices = 0;       //!< exceptions of MeshLattice, also from earlier calls of encode()
   };
 
@@ -53,6 +53,7 @@ namespace cvert { inline namespace CVERT_ISA
       centers.reserve(mesh.numTriangles);
       for (size_t i=0; i<mesh.numTriangles; i++) add(mesh,i,centers,report);
       if (lattice.numExceptions() > 0) refineUntilNoneFlips(mesh,centers);
+      if (hasFlat) removeCollapsed(mesh,centers,report);
       report.finerVertices = lattice.numExceptions();
       MeshClusters clusters(settings.groupTriangles);
       clusters.split(centers.data(),centers.size(),
@@ -75,6 +76,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
       if (!lattice.isRobust(a,b,c)) {
         if (MeshLattice::isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
+        hasFlat |= MeshLattice::isFlat(a,b,c);
         lattice.refine(a,b,c);
       }
       float lower[3], upper[3];
@@ -105,6 +107,20 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
+    /*! Omits flat triangles if snapping made two of their corners equal. */
+    void removeCollapsed (const MeshSource& mesh, std::vector<MeshCenter>& centers, MeshReport& report)
+    {
+      size_t count = 0;
+      for (const MeshCenter& center : centers)
+      {
+        float corners[3][3];
+        for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[center.index][c]],corners[c]);
+        if (MeshLattice::isDegenerate(corners[0],corners[1],corners[2])) report.degenerateTriangles++;
+        else centers[count++] = center;
+      }
+      centers.resize(count);
+    }
+
     template<typename OnBlock>
     void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, const MeshGroups& groups,
       MeshStatistics& statistics, const OnBlock& onBlock)
@@ -121,6 +137,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const MeshSettings settings;
     MeshLattice lattice;
+    bool hasFlat = false; //!< a triangle's corners are on a line
     const std::unique_ptr<MeshEncoder> encoder;
     MeshTriangle triangles[maxMeshTriangles];
     alignas(16) uint8_t block[MeshEncoder::maxBytes];

@@ -131,8 +131,14 @@ namespace cvert { inline namespace CVERT_ISA
       return !isZero(own) && !isOrientationKept(own,p,q,r);
     }
 
+    /*! True if two corners are equal: no ray can hit such a triangle. One with three corners on a line closes the gap
+     *  to a neighbor without the middle corner, as soon as rounding moves it away from the line. */
+    static bool isDegenerate (const float a[3], const float b[3], const float c[3]) {
+      return areEqual(a,b) || areEqual(b,c) || areEqual(c,a);
+    }
+
     /*! True if the area is 0 in double precision. */
-    static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
+    static bool isFlat (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
 
     size_t numExceptions () const { return exceptions.size(); }
 
@@ -154,6 +160,8 @@ namespace cvert { inline namespace CVERT_ISA
       const Double3 n = normal(p,q,r);
       return dot(n,own) >= 0 && !isZero(n);
     }
+
+    static bool areEqual (const float p[3], const float q[3]) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; }
 
     static bool isZero (const Double3& n) { return n.x == 0 && n.y == 0 && n.z == 0; }
 
