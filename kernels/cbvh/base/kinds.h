@@ -76,7 +76,7 @@ struct KindDescription
   Kind kind;
   const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
   const char* name;          //!< name in messages
-  bool alignsToLimit;        //!< frames align to the corners before displacement, otherwise after it
+  bool alignsToLimit;        //!< frames align to the corners on the limit surface, otherwise to displaced ones
   bool supportsHoles;        //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are inexact, with a bound on their thickness
 
