@@ -138,7 +138,7 @@ uint64_t randomHeights(Random& random)
   for (int child = 0; child < 4; child++) {
     if (!random.chance(0.3)) continue;
     const uint64_t code = random.chance(0.5) ? solidLeaf : emptyLeaf;
-    heights = (heights & ~(uint64_t(separateMask) << (separateBits*child))) | code << (separateBits*child);
+    heights = (heights & ~(uint64_t(separateLeafMask) << (separateLeafBits*child))) | code << (separateLeafBits*child);
   }
   return heights;
 }

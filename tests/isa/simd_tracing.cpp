@@ -125,7 +125,7 @@ uint64_t randomHeights(Random& random)
       const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf
                                                         : random.chance(0.1) ? emptyLeaf
                                                                              : any;
-      heights |= uint64_t(leaf) << (separateBits*child);
+      heights |= uint64_t(leaf) << (separateLeafBits*child);
     }
     return heights | uint64_t(random.below(8)) << separateThicknessShift | uint64_t(1) << 63;
   }

@@ -7,7 +7,6 @@
 #include "environment.h"
 #include "lower_case.h"
 
-#include <cctype>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -97,15 +96,15 @@ const Options& options()
       if (parse(item, read)) continue;
       if (isFramedSetting(item)) {
         if (item.find('=') == std::string::npos) read.isOn = true; // a representation
-        warnOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
+        warnOnce("EMBREE_CBVH: \"%s\" is not supported: compressed geometry is stored as cVERT", item.c_str());
         continue;
       }
       isInvalid = true; // libembree3 of this project rejects the item, too
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
-      const std::string error = nearest == key ? "has no valid value." : "is not known, did you mean " + nearest + "?";
+      const std::string error = nearest == key ? "is not valid." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, verbose=<number>, "
-               "and 0",
+               "vert, 1, none and 0",
                item.c_str(), error.c_str());
     }
     read.isOn &= !isInvalid;

@@ -45,7 +45,7 @@ bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQuery
   if (!hasSubstitutes() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     warnOnce("point queries do not find grids, quads and triangles that are compressed");
-  if (!function) return query(nullptr); // geometries may have functions, too
+  if (!function) return query(nullptr); // Embree calls those of geometries; substitutes have none
   const PointQuery entered = {scene, function, context->instStackSize};
   const QueryScope scope(&entered);
   return query(callUnlessSubstituted);

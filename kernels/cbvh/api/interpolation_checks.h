@@ -10,13 +10,13 @@
 
 namespace embree
 {
-  /*! Marks the faces whose neighborhood exceeds the fixed-size arrays of Embree's patches, in each topology. The commit
-   *  calls it after Embree has computed the half-edges. */
+  /*! Marks the faces that Embree cannot evaluate, in each topology: with fewer than 3 vertices, or a neighborhood that
+   *  exceeds its fixed-size arrays. The commit calls it after Embree has computed the half-edges. */
   void markUnsupportedFaces (SubdivMesh* mesh);
 
-  /*! Throw rtcore_error if Embree would read past its arrays: if a face does not exist, has no edges or is marked,
-   *  if it does not have four corners and (u,v) is in none of its sub-patches, or if the topology was not committed.
-   *  Thread-safe, unless another thread changes the geometry. */
+  /*! Throw rtcore_error if the face does not exist, has no edges or is marked, if (u,v) is in none of the sub-patches
+   *  of a face without four corners, or if the topology was not committed. Thread-safe, unless another thread changes
+   *  the geometry. */
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args);
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args);
 }

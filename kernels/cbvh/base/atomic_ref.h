@@ -20,7 +20,7 @@ namespace embree
 
       T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
 
-      /*! These return the previous value. */
+      /*! fetchAdd and fetchOr return the previous value. */
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 

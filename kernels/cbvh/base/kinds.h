@@ -45,7 +45,7 @@ CVERT_CONSTANT uint32_t maxFramedLevel = 8u;
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks of at least that many quads per side
-  uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of fewer levels, leaves are parts of a quad
+  uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of less height, leaves are parts of a quad
   uint32_t bytesPerGroup; //!< size of a group, the 2 x 2 leaves below a node of the last level; 0 without groups
   uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
   uint32_t tailPadding;   //!< zeros at the end of a block that decoders may read, part of its size
@@ -120,8 +120,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Loading such a
- *  geometry fails unless all its blocks are cVERT (RTCCompressionArguments::fallbackFaces). */
+/*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Loading then
+ *  fails, unless all blocks are cVERT because all faces are fallback faces. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

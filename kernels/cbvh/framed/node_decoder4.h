@@ -147,7 +147,7 @@ namespace embree
         __forceinline void decodeSeparate (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           decodeNode(word,parent,boxes,first);
-          auto code = [&](int leaf) { return int(uint32_t(bits >> (separateBits*leaf)) & separateMask); };
+          auto code = [&](int leaf) { return int(uint32_t(bits >> (separateLeafBits*leaf)) & separateLeafMask); };
           const vint4 leaf(code(0),code(1),code(2),code(3));
           setLeaves(movemask(vboolf4(leaf == vint4(int(solidLeaf)))),movemask(vboolf4(leaf == vint4(int(emptyLeaf)))));
           vfloat4 q[4];

@@ -77,7 +77,7 @@ bool cbvhIntersectTriangleOfGroup (CbvhVertBlock block, CodedCell cell, CbvhPrep
   }
   vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
-  uint lane = gx + 4u*gy;
+  uint lane = gx + 4u*gy; // the group, as in rule.h
   TriangleKey key = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + triangle);
   CbvhVertHit at;
   if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;

@@ -30,9 +30,9 @@
 
 CBVH_BEGIN
 
-/*! The 64 bits of a group. In a lattice, the lower 7 bits of byte i are the height of vertex i, row by row without the
- *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
- *  groups of separate leaves. */
+/*! The 64 bits of a group. In a lattice, the lower 7 bits of bytes 0 to 7 are the heights of vertices 0 to 3 and 5 to
+ *  8, row by row. The upper bits of bytes 0 to 6 are the height of the middle vertex, 4. The upper bit of byte 7 is set
+ *  for groups of separate leaves. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -44,10 +44,10 @@ CVERT_FUNCTION bool hasSeparateLeaves (Heights heights) { return (heights.high >
 /* --- lattices ------------------------------------------------------------------------ */
 
 CVERT_CONSTANT int latticeBins = 128; //!< possible heights, of 7 bits
-/*! Range of heights, in heights of the group's box. Exceeds 1, because patches are extrapolated to the corners. */
+/*! Range of heights, relative to the group box's z extent. Exceeds 1: patches are extrapolated to the corners. */
 CVERT_CONSTANT float latticeRange = 1.5f;
 
-/*! Byte of Heights with the height of a vertex, 0 to 8, except for the middle vertex 4. */
+/*! Index of the byte of Heights with the height of a vertex. vertex: 0 to 8, but not the middle one, 4. */
 CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
 /*! Height of a vertex, in bins. */
@@ -75,8 +75,8 @@ CVERT_FUNCTION float latticeOuterOffset (uint32_t code) { return float(4u*code +
 /*! Position of the middle plane, in parent extents: 33/128 to 95/128. Rounded to nearest: it bounds nothing. */
 CVERT_FUNCTION float latticeMiddlePosition (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins: 1, 2, 5 or 16. A bin covers the rounding of heights; the rest, the distance of straight edges
- *  from the lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. One bin covers the rounding of heights; the others cover the distance of straight
+ *  edges from the lattice. */
 CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0 (lower), 1 (middle) or 2 (upper) on an axis of the frame. parent: box of the group. */
@@ -92,12 +92,12 @@ CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox p
 /* --- separate leaves ----------------------------------------------------------------- */
 
 /* Heights: per child 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit 60. */
-CVERT_CONSTANT int separateBits = 15;
-CVERT_CONSTANT uint32_t separateMask = 0x7FFFu;
+CVERT_CONSTANT int separateLeafBits = 15;
+CVERT_CONSTANT uint32_t separateLeafMask = 0x7FFFu;
 CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu; //!< instead of heights: see LeafPatch
 CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int separateBins = 32;
-CVERT_CONSTANT float separateRange = 2.0f; //!< range of heights, in heights of the leaf's box
+CVERT_CONSTANT float separateRange = 2.0f; //!< range of heights, relative to the z extent of the leaf's box
 CVERT_CONSTANT int separateThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CVERT_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
@@ -105,11 +105,11 @@ CVERT_FUNCTION float separateThickness (uint32_t code) { return 0.5f*float(packe
 /*! Heights of a child, solidLeaf or emptyLeaf. */
 CVERT_FUNCTION uint32_t separateLeaf (Heights heights, int child)
 {
-  int shift = separateBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
-  if (shift >= 32) return (heights.high >> (shift-32)) & separateMask;
+  int shift = separateLeafBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
+  if (shift >= 32) return (heights.high >> (shift-32)) & separateLeafMask;
   uint32_t bits = heights.low >> shift;
   if (shift != 0) bits |= heights.high << (32-shift);
-  return bits & separateMask;
+  return bits & separateLeafMask;
 }
 
 CVERT_FUNCTION int separateHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
@@ -122,7 +122,7 @@ CVERT_FUNCTION float separateThicknessOf (Heights heights) {
 /*! Quantization of heights, with bins centered on a box. Height q is at z = lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
-/*! range: extent of all bins, in heights of the box. */
+/*! range: extent of all bins, relative to the z extent of the box. */
 CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 {
   HeightBins bins;

@@ -99,7 +99,7 @@ namespace embree
       uint32_t largestCode = 0;
       for (int c=0; c<4; c++) {
         uint32_t code;
-        heights |= uint64_t(encodeSeparateLeaf(decodeChild(out.word,c,parent),group,c,code)) << (separateBits*c);
+        heights |= uint64_t(encodeSeparateLeaf(decodeChild(out.word,c,parent),group,c,code)) << (separateLeafBits*c);
         largestCode = std::max(largestCode,code);
       }
       heights |= uint64_t(largestCode) << separateThicknessShift;
