@@ -48,10 +48,6 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Items of EMBREE_CBVH that messages suggest. */
-static const std::vector<std::string> suggestions =
-  {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
-
 /* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
 static bool isFramedSetting(const std::string& item)
 {
@@ -100,6 +96,8 @@ const Options& options()
         continue;
       }
       isInvalid = true; // libembree3 of this project rejects the item, too
+      const std::vector<std::string> suggestions =
+        {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "vert"};
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
       const std::string error = nearest == key ? "is not valid." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "

@@ -95,10 +95,10 @@ namespace cvert { inline namespace CVERT_ISA
       const float x = e[1]*f[2] - e[2]*f[1], y = e[2]*f[0] - e[0]*f[2], z = e[0]*f[1] - e[1]*f[0];
       const float nn = x*x + y*y + z*z, ss = lattices[0].spacing*lattices[0].spacing;
       const float ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2];
-      /* An edge changes by at most sqrt(3) s. The normal n therefore changes by at most sqrt(3) s (|e| + |f|) + 3 s^2,
-       * and by less than 1e-6 |e| |f| due to rounding. The square of the sum of both is at most
-       * 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow of both sides and underflow of nn make the result false. */
-      return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
+      /* An edge changes by at most sqrt(3) s, so n changes by at most sqrt(3) s (|e| + |f|) + 3 s^2, and by less than
+       * 1e-6 |e| |f| due to rounding. The sum's square is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2; the larger
+       * factors cover rounding of this test. Overflow of both sides and underflow of nn or ss make the result false. */
+      return (isLossless || ss > 1e-37f) && nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
     }
 
     /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
@@ -131,8 +131,8 @@ namespace cvert { inline namespace CVERT_ISA
       return !isZero(own) && !isOrientationKept(own,p,q,r);
     }
 
-    /*! True if two corners are equal: no ray can hit such a triangle. One with three corners on a line closes the gap
-     *  to a neighbor without the middle corner, as soon as rounding moves it away from the line. */
+    /*! True if two corners are equal: no ray can hit the triangle. False for three different corners on a line: once
+     *  rounding moves the middle one, the triangle closes the gap to a neighbor without that corner. */
     static bool isDegenerate (const float a[3], const float b[3], const float c[3]) {
       return areEqual(a,b) || areEqual(b,c) || areEqual(c,a);
     }
