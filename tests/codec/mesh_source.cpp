@@ -278,6 +278,17 @@ TEST(MeshSource, AllScalesAreSupported)
     }
 }
 
+// The square of the spacing underflows, and the lattice would make two corners of a long thin triangle equal.
+TEST(MeshSource, TinySpacingsDoNotFlattenLongTriangles)
+{
+  Mesh mesh;
+  mesh.points = {{0, 0, 0}, {1e-23f, 0, 0}, {0, 1e6f, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  const Stored stored(mesh, -75);
+  ASSERT_EQ(stored.triangles.size(), 1u);
+  EXPECT_NE(stored.triangles.at(0)[0][0], stored.triangles.at(0)[1][0]);
+}
+
 // Guards the size of the format. In this mesh the numbers are in the order of the rows.
 TEST(MeshSource, BytesPerTriangleStaySmall)
 {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* std::atomic_ref of C++20. Objects must be aligned to their size. While a thread accesses an object through an
- * AtomicRef, no other thread may access it directly. */
+/* The operations of C++20's std::atomic_ref that are used here. Objects must be aligned to their size. While a thread
+ * accesses an object through an AtomicRef, no other thread may access it directly. */
 
 #include <atomic>
 

@@ -64,7 +64,7 @@ uint cbvhCandidateTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRa
   return mask;
 }
 
-/* Tests a triangle of group gx, gy exactly. triangle: a bit of cbvhCandidateTriangles. */
+/* Tests a triangle of group gx, gy exactly. triangle: index of its bit in cbvhCandidateTriangles. */
 bool cbvhIntersectTriangleOfGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx,
                                    uint gy, uint triangle, const bool moves, inout CbvhHit hit,
                                    inout CbvhVertNearest nearest)
