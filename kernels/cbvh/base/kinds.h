@@ -5,11 +5,12 @@
  * Blocks with frames store the number of their kind (framed/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
- * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and on GPUs cbvh.glsl and
- * framed_block.glsl. Exceptions for single kinds:
+ * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and in vulkan/shaders
+ * cbvh.glsl and framed_block.glsl. Exceptions for single kinds:
  *
  *   cGRID   framed/writer.h: stores blocks without a valid frame as cGRID. framed/block_bounds.h: the bounds of its
- *           vertices contain its surface. stored/stored_triangles.cpp: its triangles can be read.
+ *           vertices contain its surface. stored/stored_triangles.cpp: its triangles can be read. surface/plan.h:
+ *           the default of blockKind.
  *   cLEAF   framed/writer.h: stores patches with holes as cLEAF if their kind does not support holes. surface/plan.h:
  *           has fallback faces. framed/block_geometry.h: has the smallest cells. The format of its leaves
  *           (framed/leaf/format.h) is included by the headers that decode nodes.
@@ -46,7 +47,7 @@ struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks of at least that many quads per side
   uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of less height, leaves are parts of a quad
-  uint32_t bytesPerGroup; //!< size of a group, the 2 x 2 leaves below a node of the last level; 0 without groups
+  uint32_t bytesPerGroup; //!< size of a group (2 x 2 leaves below a node of the last level) without its word, or 0
   uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
   uint32_t tailPadding;   //!< zeros at the end of a block that decoders may read, part of its size
 };
@@ -54,7 +55,7 @@ struct KindFormat
 /*! Formats of the kinds with frames, indexed by kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: leaves are 2 x 2 quads, as in GRID; loads of 4 floats read up to 2 floats past the last row */
+  /* cGRID: leaves are 2 x 2 quads, as in GRID; loads of 4 floats may read past the last row, which is padded by 3 */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
