@@ -47,7 +47,7 @@ struct Input
 private:
   /* Returns NULL if there is no such buffer. Throws Unsupported if it is out of bounds. */
   const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
-  /* The result points to `steps`, which receives the vertices of each time step. */
+  /* The result points to `steps`, which receives a pointer to the vertices of each step. Throws Unsupported. */
   CbvhVertices vertices(std::vector<const float*>& steps) const;
   void applyCage(CbvhSurface surface) const;
   void applyGrids(CbvhSurface surface) const;

@@ -8,7 +8,7 @@
  * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and in vulkan/shaders
  * cbvh.glsl and framed_block.glsl. Exceptions for single kinds:
  *
- *   cGRID   framed/writer.h: stores blocks without a valid frame as cGRID. framed/block_bounds.h: the bounds of its
+ *   cGRID   framed/writer.h: some blocks without a valid frame become cGRID. framed/block_bounds.h: the bounds of its
  *           vertices contain its surface. stored/stored_triangles.cpp: its triangles can be read. surface/plan.h:
  *           the default of blockKind.
  *   cLEAF   framed/writer.h: stores patches with holes as cLEAF if their kind does not support holes. surface/plan.h:

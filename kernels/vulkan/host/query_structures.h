@@ -4,7 +4,7 @@
 #pragma once
 
 /* A scene's acceleration structures for ray queries: bottom levels of boxes (LeafBox), and a top level of instances.
- * The driver finds boxes, and shaders/ray_query.glsl intersects their blocks. */
+ * The driver finds boxes, and shaders/ray_query.glsl intersects their leaves. */
 
 #include "leaf_boxes.h"
 #include "memory.h"

@@ -25,7 +25,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 
 /* --- triangles ------------------------------------------------------------------------- */
 
-/* Returns a mask of the triangles that the ray's line may pass through: bits 2q and 2q + 1 for quad q of the group. */
+/* Returns a mask of the triangles that the ray's line may pass through: bits 2q and 2q + 1 for quad q = i + 4j. */
 uint cbvhCandidateTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx,
                              uint gy, const bool moves)
 {

@@ -10,7 +10,7 @@
  *
  *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
  *       |   2   |    3   |   along its middle column and row of vertices. The surface
- *    y1 +-------+--------+   passes through the quads' vertices, wherever in their
+ *    y1 +-------+--------+   passes near the quads' vertices, wherever in their
  *       |   0   |    1   |   cells they are. Siblings do not overlap and have no steps
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
@@ -50,7 +50,7 @@ CVERT_CONSTANT float latticeRange = 1.5f;
 /*! Index of the byte of Heights with the height of a vertex. vertex: 0 to 8, but not the middle one, 4. */
 CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
-/*! Height of a vertex, in bins. */
+/*! Height of a vertex of the lattice, where planes cross, in bins. */
 CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
 {
   if (vertex != 4) {
@@ -137,8 +137,8 @@ CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.
 struct LeafPatch
 {
   NodeBox box;
-  float z[4];       //!< heights at the box's corners: column + 2 row
-  float thickness;  //!< in z
+  float z[4];       //!< heights at the box's corners: column + 2 row; undefined if solid or empty
+  float thickness;  //!< in z; likewise
   bool solid;       //!< the box is the surface
   bool empty;       //!< there is no surface
 };
