@@ -196,14 +196,6 @@ namespace embree
         return square;
       }
 
-      /*! True if no ray can hit the triangle of a mesh with one time step, because two corners are equal. */
-      bool isDegenerate (uint32_t triangle) const
-      {
-        const float* p[3];
-        mesh.corners(triangle,p);
-        return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
-      }
-
       /*! True if two corners of a moving triangle are equal at all steps, so that no ray can hit it. Without area at
        *  some steps, it could still have area between them. */
       bool haveEqualCorners (uint32_t triangle) const

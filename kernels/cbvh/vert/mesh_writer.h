@@ -40,10 +40,9 @@ namespace embree
           for (uint32_t k=0; k<source.mesh.trianglesPerPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[numTriangles];
             triangle.number = source.mesh.triangleOf(cluster[i].index,k);
-            if (source.mesh.areHalvesOfQuads() && source.isDegenerate(triangle.number)) continue; // a quad's empty half
             squaredDeviation = max(squaredDeviation,source.snapCorners(triangle.number,triangle.corners));
-            const float (&c)[3][3] = triangle.corners;
-            numTriangles += !cbvh::MeshLattice::isDegenerate(c[0],c[1],c[2]); // rounding can make corners equal
+            const float (&c)[3][3] = triangle.corners; // a quad's empty half, or equal after rounding: not stored
+            numTriangles += !cbvh::MeshLattice::isDegenerate(c[0],c[1],c[2]);
           }
         });
         statistics.addDeviation(squaredDeviation);
