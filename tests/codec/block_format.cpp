@@ -52,7 +52,7 @@ TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
 
 TEST(BlockFormat, InfoRoundTripsLimitsOfEveryField)
 {
-  for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
+  for (Kind kind : {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF})
     for (uint32_t height = 0; height <= maxFramedLevel; height++)
       for (uint32_t x : {0u, (256u >> height) - 1})
         for (uint32_t width : {0, 15}) {
@@ -108,7 +108,7 @@ TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
     float value;
   } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
   for (const auto& b : bad) vertices[3*b.vertex + b.axis] = b.value;
-  const EncodedBlock encoded(Kind::GRID, height, vertices, corners);
+  const EncodedBlock encoded(Kind::CGRID, height, vertices, corners);
   ASSERT_TRUE(encoded);
   std::vector<float> stored(3*count);
   std::memcpy(stored.data(), encoded.get()->leaves(), stored.size()*sizeof(float));
@@ -156,7 +156,7 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   std::vector<float> vertices;
   for (uint32_t v = 0; v < z.size(); v++) vertices.insert(vertices.end(), {float(v % width), float(v / width), z[v]});
   const float n = float(quads), corners[4][3] = {{0,0,0}, {n,0,0}, {0,n,0}, {n,n,0}};
-  EncodedBlock encoded(Kind::LEAF, height, vertices, corners, 1, 0);
+  EncodedBlock encoded(Kind::CLEAF, height, vertices, corners, 1, 0);
   ASSERT_TRUE(encoded);
   Block* block = encoded.get();
   block->surface = 3;

@@ -79,7 +79,7 @@ std::vector<float> verticesOf(const Sheet& sheet, uint64_t seed)
 
 TEST(FramedBytes, MatchPinnedChecksums)
 {
-  const Kind kinds[] = {Kind::GRID, Kind::VOXEL, Kind::LEAF};
+  const Kind kinds[] = {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF};
   std::string table;
   for (const Sheet& sheet : sheets) {
     const std::vector<float> vertices = verticesOf(sheet, uint64_t(&sheet - sheets) + 1);

@@ -18,10 +18,10 @@ using namespace embree::cbvh;
 TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
 {
   const struct { Kind kind; uint32_t number; int compression; const char *key, *name; bool hasFrame; } expected[] = {
-    {Kind::GRID, 0, 2, "grid", "cGRID", true},
-    {Kind::VOXEL, 1, 3, "voxel", "cVOXEL", true},
-    {Kind::LEAF, 2, 4, "leaf", "cLEAF", true},
-    {Kind::VERT, 3, 5, "vert", "cVERT", false},
+    {Kind::CGRID, 0, 2, "grid", "cGRID", true},
+    {Kind::CVOXEL, 1, 3, "voxel", "cVOXEL", true},
+    {Kind::CLEAF, 2, 4, "leaf", "cLEAF", true},
+    {Kind::CVERT, 3, 5, "vert", "cVERT", false},
   };
   ASSERT_EQ(std::size(expected), numKinds);
   for (const auto& e : expected) {
@@ -32,13 +32,13 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
     EXPECT_STREQ(row.key, e.key);
     EXPECT_STREQ(row.name, e.name);
     EXPECT_EQ(row.hasFrame(), e.hasFrame);
-    Kind found = Kind::GRID;
+    Kind found = Kind::CGRID;
     EXPECT_TRUE(findKind(e.compression, found));
     EXPECT_EQ(found, e.kind);
   }
   for (uint32_t compression = RTC_COMPRESSION_CGRID; compression <= RTC_COMPRESSION_CVERT; compression++)
     EXPECT_EQ(uint32_t(compressionOfLoaded(compression)), compression);
-  Kind none = Kind::GRID;
+  Kind none = Kind::CGRID;
   for (int compression : {-1, 0, 1, 6, 100}) EXPECT_FALSE(findKind(compression, none)) << compression;
 }
 

@@ -16,7 +16,7 @@ using namespace embree::cbvh;
 TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
 {
   ASSERT_EQ(numKinds, 1u);
-  EXPECT_EQ(kindDescriptions[0].kind, Kind::VERT);
+  EXPECT_EQ(kindDescriptions[0].kind, Kind::CVERT);
 }
 
 // A record may name cLEAF although all blocks are cVERT, because of fallbackFaces. Reports must name the traced
@@ -24,9 +24,9 @@ TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
 TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
 {
   for (uint32_t compression = RTC_COMPRESSION_CGRID; compression <= RTC_COMPRESSION_CVERT; compression++) {
-    Kind kind = Kind::GRID;
+    Kind kind = Kind::CGRID;
     ASSERT_TRUE(findKind(compressionOfLoaded(compression), kind)) << compression;
-    EXPECT_EQ(kind, Kind::VERT);
+    EXPECT_EQ(kind, Kind::CVERT);
   }
 }
 

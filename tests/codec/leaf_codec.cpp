@@ -264,7 +264,7 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
           SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid")
                                           << ", shape " << shape << ", block " << repeat);
           const std::vector<float> vertices = displacedQuad(random, height, corners, shape);
-          const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+          const EncodedBlock encoded(Kind::CLEAF, height, vertices, corners);
           ASSERT_TRUE(encoded);
           const Block* block = encoded.get();
           const uint32_t quads = 1u << height, levels = block->layout().nodeLevels,
@@ -363,10 +363,10 @@ TEST(LeafCodec, SmallDistantBlocksKeepTheSlackOfTheirSlopes)
                      p[3] = {x, y, 0.3*std::sin(7*x + 3*y + phase)};
         for (double coordinate : p) vertices.push_back(float(1000 + size*coordinate));
       }
-      const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+      const EncodedBlock encoded(Kind::CLEAF, height, vertices, corners);
       ASSERT_TRUE(encoded);
       std::vector<Double4> scratch(BlockGeometry::scratchBytes(height)/sizeof(Double4) + 1);
-      BlockGeometry geometry(Kind::LEAF, height, (const float(*)[3])vertices.data(), scratch.data());
+      BlockGeometry geometry(Kind::CLEAF, height, (const float(*)[3])vertices.data(), scratch.data());
       ASSERT_TRUE(geometry.fit(corners));
       geometry.computeBounds();
       EXPECT_GT(geometry.rounding[0], 0.004);
@@ -480,7 +480,7 @@ TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
         std::copy_n(&vertices[3*((c >> 1)*n*width + (c & 1)*n)], 3, corners[c]);
       for (int i = 0; i < repeat % 5; i++) vertices[random.below(3*width*width)] = bad[random.below(3)];
 
-      const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+      const EncodedBlock encoded(Kind::CLEAF, height, vertices, corners);
       auto isBad = [&](uint32_t x, uint32_t y) {
         for (uint32_t c = 0; c < 4; c++)
           for (int k = 0; k < 3; k++)
@@ -542,7 +542,7 @@ TEST(LeafCodec, ThicknessIsInWorldSpace)
           vertices.push_back((1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[2][k] + u*corners[3][k]));
         vertices.push_back(slope*vertices[vertices.size() - 2] + 0.02f*std::sin(9*u + 5*v));
       }
-    const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+    const EncodedBlock encoded(Kind::CLEAF, height, vertices, corners);
     ASSERT_TRUE(encoded);
     const Block* block = encoded.get();
     ASSERT_FALSE(encoded.statistics.affine);

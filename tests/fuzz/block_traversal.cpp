@@ -95,7 +95,7 @@ struct Trace : RTCIntersectContext
     if (sound) {
       REQUIRE(t >= tnear && t <= tfar);
       REQUIRE(std::isfinite(hit.u) && std::isfinite(hit.v));
-      if (block->kind() != Kind::GRID) {
+      if (block->kind() != Kind::CGRID) {
         const float n = float(1u << block->height()), slack = 1e-6f;
         REQUIRE(hit.u >= block->faceU(0.0f) - slack && hit.u <= block->faceU(n) + slack*block->faceU(n));
         REQUIRE(hit.v >= block->faceV(0.0f) - slack && hit.v <= block->faceV(n) + slack*block->faceV(n));
@@ -156,7 +156,7 @@ std::vector<float> sheet(Surface surface, uint32_t n)
 
 void writeSeeds(const std::string& directory)
 {
-  for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
+  for (Kind kind : {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF})
     for (uint32_t height = 0; height <= 4; height++)
       for (int surface = 0; surface < SURFACES; surface++) {
         const std::vector<float> vertices = sheet(Surface(surface), 1u << height);
@@ -202,10 +202,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   memcpy(block, &header, sizeof(header));
   invalidateThreadCaches(); // the previous block may have had the same address
   switch (kind) {
-  case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
-  case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
-  case Kind::GRID: trace<GridVisitor1>(world.scene, ray, block); break;
-  case Kind::VERT: break; // vert_traversal.cpp
+  case Kind::CLEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
+  case Kind::CVOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
+  case Kind::CGRID: trace<GridVisitor1>(world.scene, ray, block); break;
+  case Kind::CVERT: break; // vert_traversal.cpp
   }
   return 0;
 }

@@ -51,7 +51,7 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
     "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
   Random random(81);
   unsigned blocks = 0, sheets = 0;
-  for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
+  for (Kind kind : {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF})
     for (uint32_t height = 0; height <= 6; height++)
       for (Shape shape : allShapes)
         for (int repeat = 0; repeat < (height < 5 ? 12 : 2); repeat++) {
@@ -59,7 +59,7 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
           const Sheet sheet = randomSheet(random, shape, height, {scale, {away, -0.3*away, 0.7*away}});
           float corners[4][3];
           for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, row by row
-            std::copy_n(kind == Kind::LEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
+            std::copy_n(kind == Kind::CLEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
                                            : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(),
                         3, corners[c]);
           std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2),

@@ -153,7 +153,7 @@ public:
     : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
   {
     const std::vector<float> vertices(&quad.corners[0][0], &quad.corners[0][0] + 12);
-    const EncodedBlock frame(Kind::VOXEL, 0, vertices, quad.corners);
+    const EncodedBlock frame(Kind::CVOXEL, 0, vertices, quad.corners);
     EXPECT_TRUE(frame);
     Block* block = (Block*)memory.data();
     (BlockHeader&)*block = *frame.get();
@@ -162,7 +162,7 @@ public:
     block->tiling = blockTiling(blocks - 1, blocks - 1, 0, 0);
     const BlockLayout layout = block->layout();
     for (uint32_t i = 0; i < layout.numNodes; i++) block->nodes()[i] = random.bits();
-    if (kind != Kind::LEAF) return;
+    if (kind != Kind::CLEAF) return;
     block->info |= random.below(4) << 28;
     for (uint32_t i = 0; i < layout.leavesPerSide*layout.leavesPerSide/4; i++) {
       const uint64_t heights = randomHeights(random);
@@ -233,7 +233,7 @@ void traceSimd(const Block* block, RayType& ray)
 {
   invalidateThreadCaches(); // new blocks may reuse the addresses of old ones
   const simd::RayState state(ray);
-  if (block->kind() == Kind::LEAF)
+  if (block->kind() == Kind::CLEAF)
     simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
   else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, contextOfZeros(), state, block);
 }
@@ -342,15 +342,15 @@ void compareHits(Kind kind, uint32_t seed)
   EXPECT_GT(stable - hits, stable/50);
 }
 
-TEST(SimdTracing, PatchHitsMatchScalarCode) { compareHits(Kind::LEAF, 95); }
-TEST(SimdTracing, BoxHitsMatchScalarCode)   { compareHits(Kind::VOXEL, 96); }
+TEST(SimdTracing, PatchHitsMatchScalarCode) { compareHits(Kind::CLEAF, 95); }
+TEST(SimdTracing, BoxHitsMatchScalarCode)   { compareHits(Kind::CVOXEL, 96); }
 
 // For cVOXEL, where earlier hits have no influence.
 TEST(SimdTracing, NearestBoxThatIsNotRejectedIsHit)
 {
   Random random(98);
   unsigned compared = 0;
-  forRandomRays(random, Kind::VOXEL, [&](const Block* block, double size, const TestRay& r) {
+  forRandomRays(random, Kind::CVOXEL, [&](const Block* block, double size, const TestRay& r) {
     std::vector<Scalar::Hit> all;
     Scalar(block, 0).intersect(exact(r), &all);
     if (all.size() < 2) return;
@@ -395,7 +395,7 @@ TEST(SimdTracing, SegmentsAreWithinEpsilonOfRay)
   for (int outline = 0; outline < OUTLINES; outline++)
     for (int i = 0; i < 3000; i++) {
       const Quad quad(random, Outline(outline));
-      const RandomBlock memory(random, Kind::VOXEL, 0, quad);
+      const RandomBlock memory(random, Kind::CVOXEL, 0, quad);
       const Block* block = memory.get();
       const TestRay r = randomRay(random, block);
       const embree::Ray ray = makeRay<embree::Ray>(r);

@@ -97,7 +97,7 @@ struct PatchVertices
   {
     for (const embree::cbvh::Block* block : blocks) {
       if (block->primID != face) continue;
-      EXPECT_EQ(block->kind(), embree::cbvh::Kind::GRID);
+      EXPECT_EQ(block->kind(), embree::cbvh::Kind::CGRID);
       quadsX = block->quadsX();
       quadsY = block->quadsY();
       const unsigned size = 1u << block->height(), width = size + 1;

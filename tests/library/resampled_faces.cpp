@@ -106,7 +106,7 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
   double least = INFINITY;
   for (const LeafOfBlock& at : leavesOfHit(blocks, hit.hit)) {
     const Kind kind = at.block->kind();
-    if (kind == Kind::GRID) return 0;
+    if (kind == Kind::CGRID) return 0;
     const LeafPatch leaf = decodeLeafOfBlock(at);
     const FrameMap map = frameMap(at.block);
     auto across = [&](double x, double y, double z) {
@@ -116,7 +116,7 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
     };
     const float *l = leaf.box.lower, *e = leaf.box.extent;
     double error;
-    if (kind == Kind::VOXEL || leaf.solid) {
+    if (kind == Kind::CVOXEL || leaf.solid) {
       double lowest = INFINITY, highest = -INFINITY;
       for (int c = 0; c < 8; c++) {
         const double d = across(l[0] + (c & 1)*e[0], l[1] + ((c >> 1) & 1)*e[1], l[2] + (c >> 2)*e[2]);

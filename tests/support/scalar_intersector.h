@@ -90,10 +90,10 @@ namespace embree
       void leaf (uint32_t m, const NodeBox& box)
       {
         switch (kind) {
-        case Kind::GRID : gridLeaf(m); break;
-        case Kind::VOXEL: voxelLeaf(m,box); break;
-        case Kind::LEAF : patchLeaf(m); break;
-        case Kind::VERT : break; // has no blocks with frames
+        case Kind::CGRID : gridLeaf(m); break;
+        case Kind::CVOXEL: voxelLeaf(m,box); break;
+        case Kind::CLEAF : patchLeaf(m); break;
+        case Kind::CVERT : break; // has no blocks with frames
         }
       }
 

@@ -70,7 +70,7 @@ CBVH_END
 
 CBVH_BEGIN
 
-enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf, VERT = kindVert };
+enum class Kind : uint32_t { CGRID = kindGrid, CVOXEL = kindVoxel, CLEAF = kindLeaf, CVERT = kindVert };
 
 struct KindDescription
 {
@@ -89,11 +89,11 @@ struct KindDescription
  *  tightest if frames align to the displaced surface. */
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
-  { Kind::GRID,  "grid",  "cGRID",  false, true,  false },
-  { Kind::VOXEL, "voxel", "cVOXEL", false, false, true  },
-  { Kind::LEAF,  "leaf",  "cLEAF",  true,  true,  true  },
+  { Kind::CGRID,  "grid",  "cGRID",  false, true,  false },
+  { Kind::CVOXEL, "voxel", "cVOXEL", false, false, true  },
+  { Kind::CLEAF,  "leaf",  "cLEAF",  true,  true,  true  },
 #endif
-  { Kind::VERT,  "vert",  "cVERT",  false, true,  false }
+  { Kind::CVERT,  "vert",  "cVERT",  false, true,  false }
 };
 static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
 

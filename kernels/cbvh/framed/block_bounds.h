@@ -69,7 +69,7 @@ namespace embree
       {
         bounds.extend(boundSurface(geometry));
         /* the triangles of cGRID are within the bounds of their vertices */
-        if (block->kind() != Kind::GRID) extend(0,0,rootBox());
+        if (block->kind() != Kind::CGRID) extend(0,0,rootBox());
       }
 
     private:

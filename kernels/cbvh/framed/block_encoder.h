@@ -50,10 +50,10 @@ namespace embree
         statistics.affine = !geometry.frame.projective;
         statistics.invalidQuads += geometry.invalidQuads;
         switch (kind) {
-        case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
-        case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
-        case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
-        case Kind::VERT : break; // has no frame: cvert/encoder/block_encoder.h
+        case Kind::CGRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
+        case Kind::CVOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
+        case Kind::CLEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
+        case Kind::CVERT : break; // has no frame: cvert/encoder/block_encoder.h
         }
       }
 

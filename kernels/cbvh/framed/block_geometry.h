@@ -41,7 +41,7 @@ namespace embree
 
       /*! Bytes of scratch memory for blocks of this height, of any kind. */
       static size_t scratchBytes(uint32_t height) {
-        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
+        BlockGeometry geometry(Kind::CLEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
         return geometry.layoutScratch(nullptr);
       }
 

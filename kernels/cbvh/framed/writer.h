@@ -105,7 +105,7 @@ namespace embree
       }
 
     private:
-      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF;
+      static const cbvh::Kind kindForHoles = cbvh::Kind::CLEAF;
 
       struct TiledBlock
       {
@@ -205,11 +205,11 @@ namespace embree
           return;
         }
         if (!fits) { countAsInvalid(tiled,patchStatistics); return; }
-        if (isFrameless && tiled.kind != cbvh::Kind::GRID) {
+        if (isFrameless && tiled.kind != cbvh::Kind::CGRID) {
           /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
            * of cGRID are exact in any frame. */
           patchStatistics.framelessQuads += numQuads;
-          TiledBlock cgridBlock(cbvh::Kind::GRID,tiled.tiling,tiled.index);
+          TiledBlock cgridBlock(cbvh::Kind::CGRID,tiled.tiling,tiled.index);
           avector<Vec3fa> memory(cgridBlock.layout.stride/sizeof(Vec3fa));
           const BBox3fa before = blockBounds[tiled.index];
           writeBlock(patch,cgridBlock,(cbvh::Block*)memory.data(),patchStatistics,patchHitBounds);

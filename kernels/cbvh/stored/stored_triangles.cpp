@@ -33,7 +33,7 @@ namespace embree
         if (isBlock(type) && !isMovingBlock(type) && !isBlockValid(block,formatOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                          "the geometry's file is damaged: one of its blocks cannot be decoded");
-        if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
+        if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::CGRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
                          "to be stored as cVERT or cGRID");
         return closure(StoredBlock{ block,formatOfBlock(type) });

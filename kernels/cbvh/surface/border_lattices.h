@@ -97,7 +97,7 @@ namespace embree
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
         // cLEAF: max_error is for leaves; here it only refines
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,defaultSpacing);
+        if (plan.kind() != cbvh::Kind::CVERT) return min(spacing,defaultSpacing);
         return spacing < INFINITY ? spacing : defaultSpacing;
       }
 
@@ -144,7 +144,7 @@ namespace embree
             sumOfEdges += edges;
             numEdges += n;
           });
-        if (plan.settings.maxError > 0 && plan.kind() == cbvh::Kind::VERT && sumOfEdges > 0)
+        if (plan.settings.maxError > 0 && plan.kind() == cbvh::Kind::CVERT && sumOfEdges > 0)
           warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 

@@ -38,7 +38,7 @@ namespace embree
       {
         topology.find(facesPerTask,progress);
         allocatePoints();
-        if (plan.kind() == cbvh::Kind::VERT) allocateCache();
+        if (plan.kind() == cbvh::Kind::CVERT) allocateCache();
         lattices.chooseForPrimitives(*this,facesPerTask,progress);
         lattices.chooseForShared(*this,2*topology.numHalfEdges(),facesPerTask,progress);
       }

@@ -27,7 +27,7 @@ namespace embree
           settings(geometry->compression.resolve(geometry->device->compression))
       {
         isCompressed = cbvh::findKind(settings.compression,blockKind);
-        if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
+        if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::CVERT;
       }
 
       /*! True if a moving geometry that requests compression is compressed. It is stored as cVERT, so other requests
@@ -40,18 +40,18 @@ namespace embree
 
       bool moves () const { return numTimeSteps != 1; }
 
-      bool isLossless () const { return kind() == cbvh::Kind::VERT && settings.maxError == 0.0f; }
+      bool isLossless () const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
 
       /*! Kind of the blocks. Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
       /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
       bool hasFallbackFaces () const {
-        return compresses() && kind() == cbvh::Kind::LEAF && settings.fallbackFaces != 0;
+        return compresses() && kind() == cbvh::Kind::CLEAF && settings.fallbackFaces != 0;
       }
 
       /*! True if faces use their owners' border vertices. */
-      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasFallbackFaces()); }
+      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::CVERT || hasFallbackFaces()); }
 
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
       bool compresses () const { return isCompressed; }
@@ -69,7 +69,7 @@ namespace embree
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
         if (moves()) return VERT; // maxVertRate is Embree's highest rate
         if (!compresses()) return GRID;
-        if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
+        if (kind() == cbvh::Kind::CVERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
         if (highest <= float(1u << cbvh::maxFramedLevel)) return FRAMED;
         return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
@@ -84,7 +84,7 @@ namespace embree
       }
 
     private:
-      cbvh::Kind blockKind = cbvh::Kind::GRID;
+      cbvh::Kind blockKind = cbvh::Kind::CGRID;
       bool isCompressed;
     };
   }

@@ -216,7 +216,7 @@ namespace embree
         sums.numRawBlocks += blockStatistics.raw;
         sums.numQuads += quads;
         sums.numInvalidQuads += blockStatistics.invalidQuads;
-        if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
+        if (plan.kind() != cbvh::Kind::CVERT) sums.numFallbackQuads += quads;
       }
 
       void addMeshQuads (const SurfacePatch& patch, size_t quads)

@@ -131,7 +131,7 @@ CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
   return bins;
 }
 
-CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
+CVERT_FUNCTION float zOfHeight (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
 /*! A decoded leaf: a bilinear patch over a box, from which edges of quads deviate by half the thickness at most. */
 struct LeafPatch
@@ -151,7 +151,7 @@ CVERT_FUNCTION LeafPatch decodeSeparateLeaf (uint32_t word, Heights heights, int
   leaf.solid = code == solidLeaf;
   leaf.empty = code == emptyLeaf;
   HeightBins bins = heightBins(leaf.box,separateRange,separateBins);
-  for (int c=0; c<3; c++) leaf.z[c] = heightInBins(bins,float(separateHeight(code,c)));
+  for (int c=0; c<3; c++) leaf.z[c] = zOfHeight(bins,float(separateHeight(code,c)));
   leaf.z[3] = leaf.z[1]+leaf.z[2]-leaf.z[0];
   leaf.thickness = separateThicknessOf(heights)*bins.size;
   return leaf;
@@ -172,7 +172,7 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   float lowest = 1e30f, highest = -1e30f;
   for (int c=0; c<4; c++) {
     int vertex = childCoordinate(child,0)+(c&1) + 3*(childCoordinate(child,1)+(c>>1));
-    leaf.z[c] = heightInBins(bins,float(latticeHeight(heights,vertex)));
+    leaf.z[c] = zOfHeight(bins,float(latticeHeight(heights,vertex)));
     lowest = minimum(lowest,leaf.z[c]);
     highest = maximum(highest,leaf.z[c]);
   }

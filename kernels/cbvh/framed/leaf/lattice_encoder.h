@@ -180,7 +180,7 @@ namespace embree
       /*! Sets a height to q bins, rounded down and clamped. */
       void set(int v, double q) {
         heights[v] = !(q > 0) ? 0 : q < latticeBins-1 ? int(q) : latticeBins-1;
-        surface.z[v] = heightInBins(bins,float(heights[v]));
+        surface.z[v] = zOfHeight(bins,float(heights[v]));
       }
       /*! Raises a height by `below`, rounded up to whole bins, and clamps it. */
       void raise(int v, double below) {

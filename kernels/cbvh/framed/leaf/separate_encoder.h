@@ -54,7 +54,7 @@ namespace embree
         const double q = std::floor((z[c]-bins.lower)/bins.size);
         const uint32_t height = !(q > 0) ? 0 : q < separateBins-1 ? uint32_t(q) : separateBins-1;
         leaf |= height << (5*c);
-        z[c] = heightInBins(bins,float(height));
+        z[c] = zOfHeight(bins,float(height));
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
