@@ -202,7 +202,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *
  * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
  * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
- * stored as cVERT. If fallbackFaces is 0 and another representation is selected, such geometry is left to Embree.
+ * stored as cVERT. If fallbackFaces is 0 and another representation is selected, moving cages are left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.

@@ -297,7 +297,8 @@ RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer comma
  *         0, which traces without an order.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an invalid address, an invalid stride, and a count above 2^27 or above
- * the device's limit. rtcGetVulkanRayOrderBytes has no device: rtcGetDeviceError(NULL) returns its error. */
+ * the device's limit; RTC_ERROR_INVALID_OPERATION if workgroups of the device have fewer than 256 threads.
+ * rtcGetVulkanRayOrderBytes has no device: rtcGetDeviceError(NULL) returns its error. */
 RTC_API size_t rtcGetVulkanRayOrderBytes(size_t count);
 RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
     size_t stride, size_t count, VkDeviceAddress order);
@@ -329,8 +330,8 @@ struct RTCVulkanTraceTimes
  *
  * Return the trace, or NULL on failure. The trace retains the scene. Each trace must be ended by rtcFinishVulkanTrace.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and if rays are sorted, for a count above the limits above.
- * RTC_ERROR_OUT_OF_MEMORY if the rays do not fit into the device's memory. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. If rays are sorted, the errors of rtcRecordVulkanRayOrder for the count
+ * and the device. RTC_ERROR_OUT_OF_MEMORY if the rays do not fit into the device's memory. */
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 

@@ -64,6 +64,29 @@ TEST_F(VulkanOpening, MissingFeaturesAreReported)
   EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
 }
 
+// Vulkan guarantees workgroups of 128 threads. The sort of rays needs more.
+TEST_F(VulkanOpening, DeviceWithSmallWorkgroupsTracesButDoesNotSort)
+{
+  void (*const smaller[])(VkPhysicalDeviceLimits&) = {
+    [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupInvocations = 128; },
+    [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupSize[0] = 128; }};
+  const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  for (const auto& shrink : smaller) {
+    faults->onProperties = [&](VkPhysicalDeviceProperties& properties) { shrink(properties.limits); };
+    device = open(vulkan->handles);
+    ASSERT_TRUE(device) << embree.message;
+    const VulkanScene uploaded = newVulkanScene(device, scene);
+    ASSERT_TRUE(uploaded) << embree.message;
+    rtcSetVulkanSceneRaySorting(uploaded.get(), true);
+    EXPECT_FALSE(rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size()));
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
+    EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, " 128 ", " 256 "}));
+    rtcSetVulkanSceneRaySorting(uploaded.get(), false);
+    expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
+  }
+}
+
 // Features that are not enabled are not used.
 TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
 {

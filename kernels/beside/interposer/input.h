@@ -40,14 +40,15 @@ struct Input
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
   bool isIncomplete = false;     // memory ran out when a buffer was set
 
-  /* Sets a surface's cage, grids or mesh. Throws Unsupported. This Input and its buffers must exist until the surface
-   * is committed. */
+  /* Sets a surface's cage, grids or mesh. Throws Unsupported or std::bad_alloc. This Input and its buffers must exist
+   * until the surface is committed. */
   void applyTo(CbvhSurface surface) const;
 
 private:
   /* Returns NULL if there is no such buffer. Throws Unsupported if it is out of bounds. */
   const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
-  /* The result points to `steps`, which receives a pointer to the vertices of each step. Throws Unsupported. */
+  /* The result points to `steps`, which receives a pointer to the vertices of each step. Throws Unsupported or
+   * std::bad_alloc. */
   CbvhVertices vertices(std::vector<const float*>& steps) const;
   void applyCage(CbvhSurface surface) const;
   void applyGrids(CbvhSurface surface) const;

@@ -283,8 +283,7 @@ namespace embree
         Lock<MutexSys> lock(g_printMutex);
         if (statistics.highRateQuads)
           std::cerr << geometry << statistics.highRateQuads << " quads of faces with edge rates above "
-                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxFramedLevel)
-                    << " are traced by GRID" << std::endl;
+                    << (1u << cbvh::maxFramedLevel) << " are traced by GRID" << std::endl;
         if (statistics.framelessQuads)
           std::cerr << geometry << statistics.framelessQuads
                     << " quads of blocks without a good frame (lines, outliers) are stored in full precision"

@@ -21,8 +21,8 @@ namespace embree
     };
 
     /*! Returns the exception that the enclosing catch block handles. Exceptions other than rtcore_error and
-     *  std::bad_alloc become RTC_ERROR_UNKNOWN, and RTC_ERROR_OUT_OF_MEMORY if there is no memory for their text.
-     *  Outside of a catch block it ends the process. */
+     *  std::bad_alloc become RTC_ERROR_UNKNOWN. If there is no memory for its text, any exception becomes
+     *  RTC_ERROR_OUT_OF_MEMORY. Outside of a catch block it ends the process. */
     CaughtError caughtError () noexcept;
 
     /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own

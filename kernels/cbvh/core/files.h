@@ -41,7 +41,7 @@ namespace embree
        *  of the geometries. */
       CompressedFileWriter (Device* device, const char* path, uint64_t key);
 
-      /*! Removes an uncommitted file, unless it has a key, and geometries of this or an earlier writer. */
+      /*! Removes an uncommitted file, unless it has a key and at least one geometry. */
       ~CompressedFileWriter ();
 
       CompressedFileWriter (const CompressedFileWriter&) = delete;
@@ -94,9 +94,9 @@ namespace embree
       cbvh::CompressionStatistics statistics (size_t index) const;
 
       /*! As rtcLoadCompressedGeometry: returns a new, committed geometry with one reference, which the caller must
-       *  release. If another surface has its surface number, as when an index is loaded twice, it has private copies of
-       *  the blocks that rays reach. Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree or a moving block
-       *  is damaged, or if this library does not support its blocks; std::bad_alloc. */
+       *  release. Copies the blocks that rays reach if another surface has the same surface number, as when an index is
+       *  loaded twice. Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree or a moving block is damaged, or
+       *  blocks are not supported; std::bad_alloc; RTC_ERROR_OUT_OF_MEMORY if the memory monitor refuses. */
       Geometry* load (size_t index) const;
 
       /*! Reads the whole file. Errors: RTC_ERROR_INVALID_ARGUMENT, naming the damaged checksum, tree or block. */

@@ -9,8 +9,8 @@
 namespace embree
 {
   const char* const LoadedGeometry::noInputMessage =
-    "the geometry was loaded from a file: its compressed blocks can be traced, but it has no vertices, faces or "
-    "indices to read, interpolate or change";
+    "the geometry was loaded from a file: it has compressed blocks, but no input (vertices, faces, rates, time steps) "
+    "to read, interpolate or change, and its compression is fixed";
 
   static Geometry::GType typeOf (const cvert::FileGeometry& record)
   {

@@ -95,8 +95,8 @@ namespace embree
       __forceinline BoxMasks intersectBoxes (const NodeRay& ray, const NodePlanes<N>& c, float sBest,
                                              BoxRanges<N>& ranges, int number = N)
       {
-        static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        /* copies, because the stores below could modify the ray */
+        static_assert(int(vfloatW::size) <= vectorWidth, "the vectors of NodeRay have fewer lanes");
+        /* copies: a compiler that assumes that the stores below modify the ray would load its members again */
         const float* nearPlanes[3]; const float* farPlanes[3];
         vfloatW Pnear[3], Pfar[3], rcpD[3];
         for (int k=0; k<3; k++) {

@@ -20,7 +20,7 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units; 0: lossless cVERT; negative: inherited, or the default
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< set for geometries only
-    int fallbackFaces = -1; //!< 1: faces that cLEAF represents badly, and moving geometry, become cVERT; negative:
+    int fallbackFaces = -1; //!< 1: faces that cLEAF represents badly, and moving cages, become cVERT; negative:
                             //!< inherited
     bool releasesInput = false; //!< if set for a device, holds for all its geometries
     /*! Set for devices only: types of geometry that inherit the device's compression. */

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Estimated bytes of Embree's own acceleration structures and of blocks, without the application's buffers. They decide
- * whether compression saves memory, and appear in the line about a commit. Measurements are in docs/performance.md. */
+ * whether compression saves memory, and are printed at verbosity 1. Measurements are in docs/performance.md. */
 
 #include "../embree/scene.h"
 #include <cstddef>
@@ -23,8 +23,8 @@ namespace embree
     return (numTimeSteps == 1 && !isWide ? 46 : 68)*((quadsX+1)/2)*((quadsY+1)/2);
   }
 
-  /*! A grid as cVERT, with its share of the tree; less than the measurements. A block needs 8 more bytes if its quads
-   *  have numbers (primIDs) that follow a pattern. */
+  /*! A grid as cVERT, with its share of the tree: a lower bound of the measurements. A block needs 8 more bytes if its
+   *  quads have numbers (primIDs) that follow a pattern. */
   inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How the patches of a geometry are stored, by its settings (state/settings.h). Moving geometry, and all but cages, is
+/* How the patches of a geometry are stored, by its settings (state/settings.h). Grids, meshes and moving geometry are
  * always stored as cVERT. */
 
 #include "../embree/scene.h"
@@ -30,9 +30,9 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::CVERT;
       }
 
-      /*! True if a moving geometry that requests compression is compressed. It is stored as cVERT, so other requests
-       *  need the setting fallback_faces. */
-      static bool compressesMotion (const CompressibleGeometry* geometry)
+      /*! True if a moving cage that requests compression is compressed. It is stored as cVERT, so requests of other
+       *  kinds need the setting fallback_faces. */
+      static bool compressesMotion (const SubdivMesh* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
         return settings.compression == RTC_COMPRESSION_CVERT || settings.fallbackFaces != 0;
@@ -42,7 +42,7 @@ namespace embree
 
       bool isLossless () const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
 
-      /*! Kind of the blocks. Undefined unless compresses(). */
+      /*! Kind of the blocks. Meaningless unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
       /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
@@ -50,7 +50,7 @@ namespace embree
         return compresses() && kind() == cbvh::Kind::CLEAF && settings.fallbackFaces != 0;
       }
 
-      /*! True if faces use their owners' border vertices. */
+      /*! True if faces use the border vertices of the owners of edges and corners, see surface/shared_border.h. */
       bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::CVERT || hasFallbackFaces()); }
 
       /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
@@ -63,15 +63,15 @@ namespace embree
 
       enum Storage { GRID, FRAMED, VERT }; //!< Embree's GRID, blocks with frames, or cVERT
 
-      /*! Storage of a patch, by the rates of its edges. FRAMED supports 256 quads per side, VERT 4096. */
+      /*! Storage of a patch, by the rates of its edges, which Embree limits to 4096. FRAMED supports 256. */
       Storage storage (const float rate[4]) const
       {
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-        if (moves()) return VERT; // maxVertRate is Embree's highest rate
+        if (moves()) return VERT;
         if (!compresses()) return GRID;
-        if (kind() == cbvh::Kind::CVERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
+        if (kind() == cbvh::Kind::CVERT) return VERT;
         if (highest <= float(1u << cbvh::maxFramedLevel)) return FRAMED;
-        return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
+        return hasFallbackFaces() ? VERT : GRID;
       }
 
       /*! Frame level for a patch of 2^level quads per side, unless max_error determines it. Blocks of 16 x 16 quads

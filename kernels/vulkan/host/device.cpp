@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "device.h"
+#include "../ray_order.h"
 #include "kernels/cvert/file/unfinished_file.h"
 
 #include <chrono>
@@ -263,6 +264,12 @@ VkPipeline Device::pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint
 
 const VkPipeline* Device::makeOrderPipelines()
 {
+  const VkPhysicalDeviceLimits& limits = capabilities.properties.limits; // Vulkan guarantees 128
+  const uint32_t threads = std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
+  if (threads < cbvh::orderThreads)
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the Vulkan device ") + capabilities.info.name
+                      + " cannot sort rays: its workgroups have at most " + std::to_string(threads) + " threads, "
+                      + std::to_string(cbvh::orderThreads) + " are needed");
   std::lock_guard<std::mutex> lock(mutex);
   const Code codes[4] = {{orderKeys, sizeof(orderKeys)}, {orderCounts, sizeof(orderCounts)},
                          {orderSums, sizeof(orderSums)}, {orderScatter, sizeof(orderScatter)}};

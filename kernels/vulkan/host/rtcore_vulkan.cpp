@@ -225,8 +225,8 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from,
                           "VK_KHR_ray_query)");
     const Scene* const previous = options.previousScene;
     if (previous && (!options.usesRayQuery || !previous->usesRayQuery || &previous->device != deviceOf(device)))
-      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previousScene: it is not for ray queries, or of another "
-                                                    "device, or the scene is not for ray queries");
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previousScene: expected NULL or, if the scene is for ray "
+                                                    "queries, a scene for ray queries of the same device");
     scene = new Scene(*deviceOf(device), from, options);
   });
   return reinterpret_cast<RTCVulkanScene>(scene);
@@ -312,7 +312,7 @@ RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer comm
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays or of order is 0");
     if (stride % 4 || stride < 28)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(stride)
-                        + ": expected a multiple of 4 that holds origin and direction");
+                        + ": expected a multiple of 4, at least 28 (origin, tnear, direction)");
     rayOrderBytes(count); // throws if there are too many rays
     const Scene& scene = *sceneOf(hscene);
     if (count)

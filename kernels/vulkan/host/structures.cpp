@@ -113,7 +113,7 @@ void buildTogether(Device& device, Build* builds, size_t count)
     scratchBytes += roundedUp(builds[i].scratch, alignment);
   }
   const auto memory = std::make_shared<Buffer>(device, bytes, Buffer::OnDevice, "structures for ray queries");
-  const Buffer scratch(device, scratchBytes, Buffer::OnDevice, "building structures for ray queries");
+  const Buffer scratch(device, scratchBytes, Buffer::OnDevice, "scratch memory of structures for ray queries");
   std::vector<VkAccelerationStructureBuildGeometryInfoKHR> infos;
   std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
   std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> pointers;
@@ -138,7 +138,8 @@ void buildTogether(Device& device, Build* builds, size_t count)
   });
 }
 
-/* Builds in batches of one structure, or of at most maxBatchBytes each of structures and scratch memory. */
+/* Builds in batches: the structures of a batch, and their scratch memory, have at most maxBatchBytes each, unless the
+ * batch is a single structure. */
 void buildAll(Device& device, std::vector<Build>& builds)
 {
   const size_t maxBatchBytes = std::min(size_t(64) << 20, device.capabilities.maxAllocation);

@@ -16,7 +16,7 @@ struct CbvhVertBlock
   uint region, info;
   uint groupsX, groupsY, groups, quadsX, quadsY;
   StepView firstStep;
-  bool hasRaw;                          // a step at the ray's time is raw
+  bool hasRaw;                          // a step at the ray's time is raw; moving blocks: set by cbvhFindSegment
 };
 
 CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
