@@ -25,8 +25,8 @@ INTRODUCTION = """# Figures
 After this page you know how each figure that other pages link to was measured. Terms are defined in
 [vocabulary.md](vocabulary.md). Tables and generated text on other pages name their command and machine themselves.
 
-An empty cell means "not recorded". "Commit" is the build that was measured, or after "by", if that build was not
-recorded, the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`, which is
+An empty cell means "not recorded". "Commit" is the version that was measured. If it was not recorded, the column has
+"by" and the commit that published the figure. `scripts/figures.py` writes this page from `docs/figures.csv`, which is
 edited by hand.
 
 ## How do I reproduce a figure?
