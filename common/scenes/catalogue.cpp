@@ -22,6 +22,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 namespace cbvh {
@@ -169,6 +170,20 @@ void validateMap(const SceneSettings& s)
     throw Error(settingName("height-repeat") + " cannot repeat the tiles of " + s.heightPath + ": expected 1");
 }
 
+/* Throws Error if displaced vertices could exceed the coordinates that Embree accepts. */
+void validateScale(const SceneSettings& s, const Cage& cage)
+{
+  const float largest = 1e17f; // Embree's limit is 1.8e18; heights and --rough can exceed the scale several times
+  const float scale = s.mapScale ? *s.mapScale : s.amplitude.value_or(0.0f);
+  const float unit = s.mapScale ? 1.0f : cage.bounds().diagonal();
+  if (unit > largest || std::fabs(scale) * unit <= largest)
+    return;
+  char text[80];
+  std::snprintf(text, sizeof(text), " %g is too large: expected at most %g for this cage", double(scale),
+                double(largest / unit));
+  throw Error(settingName(s.mapScale ? "height-scale" : "amplitude") + text);
+}
+
 } // namespace
 
 const std::vector<std::string>& sceneNames()
@@ -265,6 +280,7 @@ Model loadScene(const SceneSettings& given, std::string& warnings)
     model = findScene(settings.scene)->make(settings);
     validateCage(model.cage, warnings);
   }
+  validateScale(settings, model.cage);
   if (!settings.motion.empty())
     addMotion(model, motionOf(settings));
   return model;

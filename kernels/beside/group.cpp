@@ -69,12 +69,13 @@ void CbvhGroupTy::commit()
     attached[i] = geometry;
     isReported[i] = false;
   }
-  for (size_t i = 0; i < surfaces.size(); i++)
-    firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committedInput()->numPrimitives;
   rtcCommitScene(scene);
   const Failure failure = context->takeError();
   isCommitted = false;
+  std::fill(firstPrimitive.begin(), firstPrimitive.end(), 0);
   try { updateStatistics(); } catch (...) { if (!failure) throw; }
+  for (size_t i = 0; isCommitted && i < surfaces.size(); i++)
+    firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committedInput()->numPrimitives;
   if (failure) throw failure;
   size_t numUnsupportedFaces = 0;
   for (size_t i = 0; i < surfaces.size(); i++) {

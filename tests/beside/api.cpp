@@ -616,7 +616,7 @@ TEST(Beside, InvalidInputIsReportedByName)
   cbvhReleaseGroup(group);
   CbvhContext none2 = nullptr;
   EXPECT_NE(cbvhNewContext("cbvh_bogus=1", nullptr, nullptr, &none2), CBVH_OK);
-  for (const char* size : {"-1", "-.5", "1e39"}) {
+  for (const char* size : {"-1", "-.5", "1e14", "1e30", "1e39", "inf", "nan"}) {
     EXPECT_EQ(cbvhNewContext((std::string("cache_size=") + size).c_str(), nullptr, nullptr, &none2),
               CBVH_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), {std::string("\"") + size + "\"", "cache_size"}));

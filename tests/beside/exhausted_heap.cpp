@@ -56,6 +56,36 @@ TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit)
   cbvhReleaseContext(context);
 }
 
+TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives)
+{
+  const CbvhCage cage = cube();
+  CbvhContext context = nullptr;
+  CbvhSurface surface = nullptr;
+  ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  CbvhError error = CBVH_ERROR_UNKNOWN;
+  for (unsigned n = 0; error != CBVH_OK; n++) { // refuses all allocations after the first n
+    SCOPED_TRACE(n);
+    CbvhGroup group = nullptr;
+    ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK) << cbvhGetErrorText();
+    allowed = n;
+    isExhausted = true;
+    error = cbvhCommitGroup(group);
+    isExhausted = false;
+    allowed = 0;
+    size_t index = 0;
+    unsigned primID = 0;
+    EXPECT_EQ(cbvhGetGroupFirstPrimitive(group, 1), error == CBVH_OK ? 6u : 0u);
+    EXPECT_EQ(cbvhFindGroupPrimitive(group, 5, &index, &primID), error == CBVH_OK);
+    cbvhReleaseGroup(group);
+    ASSERT_LT(n, 10000u);
+  }
+  cbvhReleaseSurface(surface);
+  cbvhReleaseContext(context);
+}
+
 // Memory also runs out while the error is reported.
 TEST(BesideExhaustedHeap, ErrorsAreReturned)
 {

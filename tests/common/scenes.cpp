@@ -27,6 +27,7 @@
 #include <filesystem>
 #include <numeric>
 #include <set>
+#include <sstream>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -388,6 +389,28 @@ TEST(Catalogue, DisplacementAmplitudeIsTheGivenOneOrTheDefault)
   SceneSettings cube;
   cube.scene = "cube";
   EXPECT_EQ(withDefaultAmplitude(cube).amplitude, cubeAmplitude);
+}
+
+TEST(Catalogue, DisplacementBeyondEmbreesCoordinatesNamesItsScale)
+{
+  std::string warnings;
+  SceneSettings s;
+  s.scene = "cube";
+  for (float amplitude : {1e38f, 1e18f, -1e18f})
+    try
+    {
+      s.amplitude = amplitude;
+      loadScene(s, warnings);
+      ADD_FAILURE() << amplitude;
+    }
+    catch (const Error& e)
+    {
+      std::ostringstream value;
+      value << "--amplitude " << amplitude << " ";
+      EXPECT_TRUE(containsInOrder(e.what(), {value.str(), "e+16"}));
+    }
+  s.amplitude = 1e10f;
+  EXPECT_NO_THROW(loadScene(s, warnings));
 }
 
 TEST(Catalogue, OptionsBelongToTheirScenes)

@@ -227,6 +227,24 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
+// Except in cVERT, GRID traces such faces.
+TEST_P(InvalidVertices, AreReportedAtEdgeRatesAbove256)
+{
+  Device device;
+  Displacement displacement;
+  displacement.poison = [](unsigned, float u, float v) { // in the middle
+    return std::fabs(u - 0.5f) < 1e-3f && std::fabs(v - 0.5f) < 1e-3f;
+  };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = GetParam();
+  settings.edgeRates = {300, 4, 300, 4};
+  const SurfaceScene scene(device, quadCage(), settings);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(containsInOrder(device.message, {"geometry 0, face 0:", "finite", " 1 face", " 4 quads"}));
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4u);
+}
+
 // A canceled commit reports nothing.
 TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
 {

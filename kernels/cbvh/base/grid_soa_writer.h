@@ -21,16 +21,19 @@ namespace embree
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : mesh(mesh), store(store), statistics(statistics) {}
 
-      void write (const SubdivPatch1Base& patch) const
+      /*! Returns the number of quads with a vertex that is not finite. */
+      size_t write (const SubdivPatch1Base& patch) const
       {
         const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
+        size_t numInvalid = 0;
         for (unsigned y=0; y<y1; y+=gridQuads)
           for (unsigned x=0; x<x1; x+=gridQuads)
-            write(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
+            numInvalid += write(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
+        return numInvalid;
       }
 
       /*! Writes one grid. x0, x1, y0, y1: its first and last column and row of vertices in the patch. */
-      void write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
+      size_t write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
       {
         BBox3fa bounds;
         const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0),
@@ -41,6 +44,7 @@ namespace embree
         statistics.sums.uncompressedBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numUncompressedQuads += size_t(x1-x0)*size_t(y1-y0);
         store.addPrimitive(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
+        return countInvalidQuads(*soa);
       }
 
       /*! Bytes of a patch's grids in GRID, with their share of the nodes above. quads: quads per side of the patch. */
@@ -58,6 +62,20 @@ namespace embree
       }
 
     private:
+      static size_t countInvalidQuads (const GridSOA& grid)
+      {
+        const float* const x = grid.gridData();
+        auto isInvalid = [&](unsigned i) {
+          const float p[3] = { x[i],x[i+grid.dim_offset],x[i+2*grid.dim_offset] };
+          return !cbvh::isFinite(p);
+        };
+        size_t count = 0;
+        for (unsigned i=0; i+grid.width<grid.dim_offset; i++)
+          if ((i+1) % grid.width != 0) // no quad begins at the last vertex of a row
+            count += isInvalid(i) || isInvalid(i+1) || isInvalid(i+grid.width) || isInvalid(i+grid.width+1);
+        return count;
+      }
+
       /*! Bytes of a grid of x by y quads, from a table of the 64 sizes that is filled on demand. Threads that compute
        *  an entry at the same time store the same value. */
       static size_t bytesOfGrid (unsigned x, unsigned y)

@@ -101,11 +101,14 @@ namespace embree
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
-          case CompressionPlan::GRID:
+          case CompressionPlan::GRID: {
             store.flush();
-            gridWriter.write(patch.embreePatch());
-            if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+            const size_t numInvalid = gridWriter.write(patch.embreePatch());
+            if (!plan.compresses()) break; // as in Embree, no error
+            statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+            statistics.sums.numInvalidQuads += numInvalid;
             break;
+          }
           case CompressionPlan::FRAMED:
             if (!framedWriter.write(patch,source.tilingOf(face,patch.rate)))
               vertWriter.write(patch,[&](unsigned) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <locale>
 #include <sstream>
 
@@ -15,7 +16,7 @@ namespace embree
   {
     /*! How values are checked. Name: whether an accelerator or builder of this name exists is checked when a scene is
      *  built. Any: values of cbvh keys are checked when they are parsed. */
-    enum class Value { Any, Name, Integer, Number, Isa, Frequency, Quality, SceneFlags };
+    enum class Value { Any, Name, Integer, Number, CacheSize, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
 
@@ -49,7 +50,7 @@ namespace embree
       { "verbose",Value::Integer },{ "benchmark",Value::Integer },
       { "quality",Value::Quality },{ "scene_flags",Value::SceneFlags },
       { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Integer },
-      { "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
+      { "tessellation_cache_size",Value::CacheSize },{ "cache_size",Value::CacheSize },
       { "alloc_main_block_size",Value::Integer },{ "alloc_num_main_slots",Value::Integer },
       { "alloc_thread_block_size",Value::Integer },{ "alloc_single_thread_alloc",Value::Integer },
       { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_fallback_faces",Value::Any },
@@ -99,14 +100,14 @@ namespace embree
       }
     }
 
-    /*! T: float or int. Rejects numbers out of its range, and fractions of int. */
+    /*! T: float or int. Rejects numbers above `highest` or out of T's range, and fractions of int. */
     template<typename T>
-    bool isNumber (const std::string& text)
+    bool isNumber (const std::string& text, T highest = std::numeric_limits<T>::max())
     {
       std::istringstream stream(text);
       stream.imbue(std::locale::classic());
       T number;
-      return (stream >> number) && stream.eof();
+      return (stream >> number) && stream.eof() && number <= highest;
     }
 
     /*! True for an identifier of Embree's lexer. */
@@ -123,6 +124,8 @@ namespace embree
       if (value.empty()) return prefix + "expected " + key.name + "=<value>";
       if (key.value == Value::Number)
         return isNumber<float>(value) && value[0] != '-' ? "" : prefix + "expected a number, 0 or more";
+      if (key.value == Value::CacheSize) // Embree converts it to bytes in 64 bits
+        return isNumber<float>(value,1e13f) && value[0] != '-' ? "" : prefix + "expected a number from 0 to 1e13";
       if (key.value == Value::Integer) return isNumber<int>(value) ? "" : prefix + "expected an integer of 32 bits";
       if (key.value == Value::Name) return isName(value) ? "" : prefix + "expected a name";
       const std::vector<std::string> accepted = acceptedValues(key.value);
