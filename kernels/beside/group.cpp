@@ -85,8 +85,8 @@ void CbvhGroupTy::commit()
   if (numUnsupportedFaces != 0)
     throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
       std::to_string(numUnsupportedFaces)
-        + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
-          "and at most 64 faces per vertex (63 at a border)"};
+        + " face(s) left out: expected at most 16 corners in them and in the faces at their vertices, and at most 64 "
+          "faces per vertex (63 at a border, fewer if these have more than 4 corners)"};
 }
 
 /* Called after each commit, because a later call could fail: if the commit of another group changes a surface's mask,
@@ -183,7 +183,7 @@ void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 
 CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhGroupStatistics* statistics)
 {
-  if (!group || !statistics) return rejectArgument("group or statistics are NULL");
+  if (!group || !statistics) return rejectArgument("group or statistics is NULL");
   return guarded(group->context.get(), [&] {
     embree::core::requireStruct(statistics);
     if (!group->isCommitted)

@@ -93,8 +93,8 @@ void checkSharpness(const float* values, size_t count, const char* array)
         + ": expected 0 to infinity");
 }
 
-/* Throws if a face has fewer than 3 vertices, if the faces do not use all indices, or if an index or count would make
- * Embree access memory outside of the buffers. */
+/* Throws if there are no vertices, a face has fewer than 3, not all indices are used, a sharpness is invalid, or an
+ * index or count would make Embree access memory outside of buffers. */
 void checkTopology(const CbvhCage& cage)
 {
   require(cage.vertices.numVertices > 0, "there are no vertices");
@@ -627,7 +627,7 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
         return function(userPtr, &publicCluster) != 0;
       }, sums);
     }
-    catch (...) { finish(); throw; } // reports the clusters before the error
+    catch (...) { finish(); throw; } // statistics of the clusters before the error
     finish();
   });
 }

@@ -48,7 +48,7 @@ std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::stri
   }
   SubstituteData* const data = newSubstituteData();
   if (!data) {
-    warnOnce("a geometry is left to Embree: out of memory for its substitute");
+    warnOnce("a geometry is left to Embree: out of memory, or too many geometries are compressed");
     return nullptr;
   }
   data->original = original;

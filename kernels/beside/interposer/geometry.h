@@ -34,7 +34,7 @@ public:
   /* Input of the next build. As in Embree, a build reads the current input, including changes since the last commit of
    * the geometry: buffers that an application replaced may no longer exist. */
   Input input;
-  /* A commit requires a new build, unless only masks, filters or user data changed: AppearanceChange. */
+  /* AppearanceChange: of masks, filters, or user data without displacement. A commit then requires no new build. */
   enum Change { InputChange = 1, AppearanceChange = 2 };
   void change(Change change) { changes |= change; }
   /* Commits the geometry. The next commit of a scene builds it if necessary. */
@@ -45,7 +45,7 @@ public:
   SubstituteData* const data;
   const RTCGeometry substitute;
 
-  /* Builds the committed input if necessary. Returns false if `progress` canceled. Threads may call it concurrently. */
+  /* Builds the surface if needsBuild(). Returns false if `progress` canceled. Threads may call it concurrently. */
   bool build(const Progress& progress);
   bool needsBuild() const { return isCommitted && isEnabled; }
 

@@ -5,8 +5,8 @@
 
 /* Settings of the environment variable EMBREE_CBVH, in the same syntax as for libembree3 of this project:
  * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. If the variable is
- * unset, the defaults below apply. Settings of the paper's representations, with any value, and release_input have no
- * effect. */
+ * unset, the defaults below apply. Names of the paper's representations count as "1". Their settings, with any value,
+ * and release_input have no effect. */
 
 #include <embree4/rtcore.h>
 

@@ -37,7 +37,6 @@ void* findReal(const char* name)
   return function;
 }
 
-/* True if REAL finds Embree 4's functions. */
 static bool isRealEmbree4()
 {
   /* Compares the libraries, because a program on Embree 3 may have a plugin with an Embree 4 of its own. */

@@ -21,7 +21,7 @@ struct SubstituteData
   RTCGeometry original;          // the application's geometry
   void* userData;                // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
-  bool usesArgumentFilter;     // see rtcSetGeometryEnableFilterFunctionFromArguments
+  bool usesArgumentFilter;       // see rtcSetGeometryEnableFilterFunctionFromArguments
 };
 
 /* One address range contains all SubstituteData, so that a comparison distinguishes them from an application's user

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "factory.h"
-#include "../base/environment.h"
 #include "../base/kinds.h"
 #include "../embree/scene.h"
 #include "../stored/compressed_tree.h"

@@ -11,8 +11,6 @@
 
 namespace embree
 {
-  class Scene;
-
   /*! True if a value of the device's key subdiv_accel selects compression, for example "cbvh", "cbvh.vert" or "cvert".
    *  Ignores case. */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);

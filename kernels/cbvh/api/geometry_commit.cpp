@@ -13,7 +13,6 @@
 #include "../surface/input_checks.h"
 #include "../surface/mesh_regions.h"
 #include "../surface/plan.h"
-#include "../../cvert/format/block.h"
 #include <new>
 #include <set>
 
@@ -35,12 +34,12 @@ namespace embree
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
-      struct Rounding
+      struct DenormalsAsZero
       {
         const unsigned int before;
-        Rounding () : before(_mm_getcsr()) { _mm_setcsr(before | /* FTZ */ (1<<15) | /* DAZ */ (1<<6)); }
-        ~Rounding () { _mm_setcsr(before); }
-      } rounding;
+        DenormalsAsZero () : before(_mm_getcsr()) { _mm_setcsr(before | /* FTZ */ (1<<15) | /* DAZ */ (1<<6)); }
+        ~DenormalsAsZero () { _mm_setcsr(before); }
+      } denormalsAsZero;
 #if defined(TASKING_INTERNAL)
       Ref<TaskScheduler> scheduler = new TaskScheduler;
       scheduler->spawn_root(closure,1,true);
@@ -108,8 +107,8 @@ namespace embree
     }
 
     const char* const inputWasReleased =
-      "the input of the geometry was released when it was compressed (RTC_COMPRESSION_FLAG_RELEASE_INPUT, or "
-      "release_input in the device string or EMBREE_CBVH)";
+      "the input of the geometry was released when it was compressed (RTC_COMPRESSION_FLAG_RELEASE_INPUT, "
+      "cbvh_release_input in the device string, or release_input in EMBREE_CBVH)";
 
     bool releasesInput (const CompressibleGeometry* geometry) {
       return geometry->compression.resolve(geometry->device->compression).releasesInput;
@@ -206,7 +205,7 @@ namespace embree
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     setDecision(mesh,isRequested && moves,
-           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because fallback_faces is 0",
+           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, which requires fallback_faces=1",
            "faces");
     CageMemory::reserveHalfEdges(mesh);
     return true;

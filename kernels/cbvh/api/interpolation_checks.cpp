@@ -43,7 +43,8 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,name + "its topology was not committed");
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,name + "it, or a face at its vertices, has fewer than 3 or more than "
           + std::to_string(MAX_PATCH_VALENCE) + " vertices, or a vertex has more than "
-          + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
+          + std::to_string(MAX_RING_FACE_VALENCE) + " faces (" + std::to_string(MAX_RING_FACE_VALENCE-1)
+          + " at a border, fewer if these have more than 4 corners)");
     }
 
     /*! Throws if (u,v) is in no sub-patch of a face without four corners. Embree selects the sub-patch of corner i + 4

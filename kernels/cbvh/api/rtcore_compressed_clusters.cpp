@@ -47,7 +47,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
         return function(userPtr,&publicCluster);
       },sums);
   }
-  catch (...) { finish(); throw; } // reports the clusters before the error
+  catch (...) { finish(); throw; } // statistics of the clusters before the error
   finish();
   RTC_CATCH_END2(geometry);
 }

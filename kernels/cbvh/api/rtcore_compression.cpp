@@ -67,14 +67,14 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   RTC_CATCH_END2(geometry);
 }
 
-RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompressionStatistics* stats)
+RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompressionStatistics* statistics)
 {
   Scene* scene = (Scene*) hscene;
   RTC_CATCH_BEGIN;
   requireNotNull(scene,"scene");
-  requireNotNull(stats,"stats");
-  core::requireStruct(stats);
-  core::writeStruct(stats,toPublic(core::statisticsOf(scene)));
+  requireNotNull(statistics,"statistics");
+  core::requireStruct(statistics);
+  core::writeStruct(statistics,toPublic(core::statisticsOf(scene)));
   RTC_CATCH_END2(scene);
 }
 

@@ -294,8 +294,8 @@ namespace embree
                        "are stored as cVERT" << std::endl;
         if (statistics.sums.numRawBlocks)
           std::cerr << geometry << statistics.sums.numRawBlocks
-                    << " cVERT blocks store floats, because packing saves nothing, a vertex is not finite, or GRID "
-                       "traces a neighbor" << std::endl;
+                    << " cVERT blocks store floats, because packing saves nothing or a vertex is not finite"
+                    << std::endl;
         if (statistics.sums.numInvalidQuads && !surface.isCage())
           std::cerr << geometry << statistics.sums.numInvalidQuads
                     << " quads are left out, because a vertex is not finite"
@@ -306,7 +306,7 @@ namespace embree
                     << statistics.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
                     << MAX_RING_FACE_VALENCE << " faces per vertex ("
-                    << MAX_RING_FACE_VALENCE-1 << " at a border)" << std::endl;
+                    << MAX_RING_FACE_VALENCE-1 << " at a border, fewer if these have more than 4 corners)" << std::endl;
         // a file may contain any counts
         const size_t irregularQuads = min(statistics.sums.numIrregularQuads,statistics.sums.numMeshQuads);
         if (statistics.sums.numMeshQuads)

@@ -8,7 +8,7 @@
 
 namespace embree
 {
-  /*! Bytes of the buffers that Embree allocated for a geometry, and of the topology that Embree makes from them.
+  /*! Bytes of a geometry's buffers that Embree allocated, and of the topology that Embree made.
    *  counted: buffers to skip; receives this geometry's buffers. */
   size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted);
 }
