@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (slopes[0] < -maxSlope || slopes[1] < -maxSlope)
         return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
       if ((slopes[0] | slopes[1]) != 0 && hasRanksOnAnyAxis(header.spacings))
-        return Reason::damaged("it has a sheared axis and an axis that counts floats: expected at most one of them");
+        return Reason::damaged("it has a sheared axis and an axis of ranks: expected at most one of them");
       if (meshVertices(header.counts) > maxMeshVertices)
         return Reason::damaged("it has % vertices: expected at most %",meshVertices(header.counts),maxMeshVertices);
       if (baseNumberBits(header.counts) > 32)
@@ -124,15 +124,16 @@ namespace cvert { inline namespace CVERT_ISA
         if (begin != end) return Reason::damaged("a time step begins at %: expected %",begin,end);
         if (bytes < begin+meshStepBytes)
           return Reason::damaged("it has % bytes: the header of a time step needs %",bytes,begin+meshStepBytes);
-        if (const Reason reason = validateStep(view,*step,bytes-begin,end)) return reason;
-        end += begin;
+        size_t size = 0;
+        if (const Reason reason = validateStep(view,*step,bytes-begin,size)) return reason;
+        end = begin+size;
       }
       return end == bytes ? Reason()
         : Reason::damaged("its header counts % bytes: its time steps end at %",bytes,end);
     }
 
-    /*! end: receives the size of the step. */
-    static Reason validateStep (const MeshView& view, const MeshStep& step, size_t bytes, size_t& end)
+    /*! size: receives the size of the step. */
+    static Reason validateStep (const MeshView& view, const MeshStep& step, size_t bytes, size_t& size)
     {
       for (uint32_t k=0; k<3; k++)
       {
@@ -159,8 +160,8 @@ namespace cvert { inline namespace CVERT_ISA
             return Reason::damaged("a box of group % of a time step ends at %: expected at most 255",g,
               at.boxByte(k,g) + at.boxByte(3+k,g));
       }
-      end = at.bytes();
-      return bytes < end ? Reason::damaged("a time step has % bytes: its fields need %",bytes,end) : Reason();
+      size = at.bytes();
+      return bytes < size ? Reason::damaged("a time step has % bytes: its fields need %",bytes,size) : Reason();
     }
 
     static Reason validateTopology (const MeshView& view, uint32_t g)

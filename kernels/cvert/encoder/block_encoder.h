@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
     uint32_t fieldBytes = 0;    //!< bytes of fields and remainders, of a moving block: at its first step
-    bool raw = false;           //!< the block is raw, or a step of a moving block
+    bool raw = false;           //!< the block, or a step of a moving block, is raw
   };
 
   /*! Size of the block, position in its patch, and edges or primitive numbers. */
@@ -46,8 +46,7 @@ namespace cvert { inline namespace CVERT_ISA
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
     /*! block: maxBytes, aligned to 4. Adds to the sums of `statistics`, and sets `raw` if there is a block. Returns the
-     *  size in bytes, a multiple of 4, or 0 if no vertex is finite. The caller then sets VertHeader::surface and
-     *  primID. */
+     *  size in bytes, a multiple of 4, or 0 if no vertex is finite. The caller sets VertHeader::surface and primID. */
     size_t encode (const VertPlacement& placement, uint8_t* block, VertStatistics& statistics)
     {
       setSize(placement.region);

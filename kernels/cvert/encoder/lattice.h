@@ -36,7 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
   static constexpr double spacingPerGridEdge = 1.0/512;
 
   /*! Spacing for quads and triangles. Renderers shade points on their own triangles, on which a stored surface slightly
-   *  in front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing light that become darker by
+   *  in front casts a shadow. tests/clients counts the pixels of a bumpy sheet at grazing light that become darker by
    *  more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
   static constexpr double spacingPerMeshEdge = 1.0/2048;
 

@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
-    size_t degenerateTriangles = 0; //!< omitted because two corners are equal, if necessary after snapping
+    size_t degenerateTriangles = 0; //!< omitted: two corners are equal, before or after snapping
     size_t finerVertices = 0;       //!< exceptions of MeshLattice, also from earlier calls of encode()
   };
 

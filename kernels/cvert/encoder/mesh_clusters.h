@@ -139,8 +139,8 @@ namespace cvert { inline namespace CVERT_ISA
       float lower[3], scale;
       int longest;
 
-      static uint16_t round (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
-      uint16_t at (float x, int k) const { return round((x-lower[k])*scale); }
+      static uint16_t quantized (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
+      uint16_t at (float x, int k) const { return quantized((x-lower[k])*scale); }
       float positionOf (uint32_t center, int k) const { return lower[k] + (0.5f*float(center) - 8192.0f)/scale; }
     };
 

@@ -6,8 +6,8 @@
 /* Lossless encoder of a mesh block (format/mesh_block.h), except that -0, and denormal floats if the processor flushes
  * them, become 0. Callers may snap corners to a lattice first (mesh_lattice.h). Equal corners become one vertex.
  *
- * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. The axis
- * stores ranks (rankOfFloat) if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
+ * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. Ranks
+ * (rankOfFloat) replace coordinates longer than maxMeshCoordinateBits, or than maxUnrankedBits if that saves bits. */
 
 #include "../basics/bits.h"
 #include "mesh_clusters.h"
@@ -313,7 +313,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t* const c1 = coordinates[(shearedAxis+1)%3], * const c2 = coordinates[(shearedAxis+2)%3];
       uint32_t* const c = coordinates[shearedAxis];
       int least = 0x7FFFFFFF; // of the sheared coordinates
-      int largest = 0;        // of the others
+      int largest = 0;        // of the unsheared ones
       for (uint32_t v=0; v<numVertices; v++) {
         const int sheared = int(c[v]) + ((slopes[0]*int(c1[v]) + slopes[1]*int(c2[v]) + 8) >> 4);
         other[v] = uint32_t(sheared);

@@ -88,7 +88,8 @@ namespace cvert
       return Reason::damaged("has data after its end: it has % bytes, expected %",bytes,h.fileBytes);
     if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0
         || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
-      return Reason::damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
+      return Reason::damaged("is damaged: its directory of % geometries at % is empty, misaligned, outside of the file "
+        "or of another record size",h.numGeometries,h.directory);
     if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry)))
       return Reason::damaged("is damaged: the checksum of its directory differs");
     std::unordered_set<uint32_t> numbers;

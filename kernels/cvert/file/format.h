@@ -25,7 +25,7 @@ namespace cvert
   /*! Each geometry's tree and its first block begin at multiples of this, in bytes. */
   static const uint64_t filePage = 4096;
 
-  /*! Bytes after the blocks of a geometry that decoders may read. */
+  /*! Bytes after the blocks of a geometry, at least: decoders may read some. */
   static const uint64_t fileReadPadding = 64;
 
   struct FileHeader

@@ -36,7 +36,8 @@ namespace cvert
     Reason validateWhetherMoving (const FileGeometry& record, bool moves)
     {
       if (moves == (record.form == FILE_MOVING)) return Reason();
-      return Reason::damaged(moves ? "it has time steps, but its geometry has none" : "it has no time steps");
+      return Reason::damaged(moves ? "it has time steps, but its geometry has none"
+        : "it has no time steps, but its geometry has");
     }
   }
 
@@ -64,7 +65,8 @@ namespace cvert
     if (moves && (!std::isfinite(g.begin) || !std::isfinite(g.end) || !(g.begin < g.end)))
       return Reason::damaged("its time range is empty or not finite");
     if ((g.surface & firstFileNumber) == 0 || ((g.surface & movingSurface) != 0) != moves || g.surface == ~0u)
-      return Reason::damaged("its surface number % is out of range",g.surface);
+      return Reason::damaged(moves ? "its surface number is %: expected 3221225472 to 4294967294"
+        : "its surface number is %: expected 1073741824 to 2147483647",g.surface);
     if (g.reserved[0] || g.reserved[1]) return Reason::unsupported("reserved values of its record are set: expected 0");
     const bool isEmpty = g.lower[0] > g.upper[0] || g.lower[1] > g.upper[1] || g.lower[2] > g.upper[2];
     if (g.numBlocks && !isEmpty && !areBounds(g.lower,g.upper)) return Reason::damaged("its bounds are not finite");

@@ -63,9 +63,11 @@ namespace cvert
       const bool moves = record.form == FILE_MOVING;
       const bool isKnown = moves ? type == FILE_MOVING_VERT || type == FILE_MOVING_MESH
         : type == FILE_VERT || type == FILE_FRAMED || type == FILE_MESH;
-      if (!isKnown) return fail("a leaf of its tree has the unknown type %",type);
-      if (offset < next || offset > record.blockBytes || record.blockBytes-offset < vertHeaderBytes)
-        return fail("a leaf of its tree has no block at %",offset);
+      if (!isKnown) return fail(moves ? "a leaf of its tree has type %: expected 4 or 6"
+        : "a leaf of its tree has type %: expected 2, 3 or 5",type);
+      if (offset < next) return fail("a leaf of its tree refers to a block at %: expected % or later",offset,next);
+      if (offset > record.blockBytes || record.blockBytes-offset < vertHeaderBytes)
+        return fail("a leaf of its tree refers to a block at %: its blocks have % bytes",offset,record.blockBytes);
       next = offset+1;
       numBlocks++;
       return sink.leaf(FileChild(type),offset);
@@ -73,8 +75,10 @@ namespace cvert
 
     Ref node (uint64_t offset, unsigned depth)
     {
-      if (offset != numRead*sizeof(FileNode) || offset >= record.treeBytes)
+      if (offset != numRead*sizeof(FileNode))
         return fail("a node of its tree refers to a node at %: expected %",offset,numRead*sizeof(FileNode));
+      if (offset >= record.treeBytes)
+        return fail("a node of its tree refers to a node at %: its tree has % bytes",offset,record.treeBytes);
       if (depth > maxDepth) return fail("its tree is deeper than % nodes",maxDepth);
       numRead++;
       const FileNode& from = ((const FileNode*)tree)[offset/sizeof(FileNode)];

@@ -89,7 +89,7 @@ namespace cvert
     return getAll(data,bytes,[&](char* p, size_t n, size_t done) { return ::pread(file,p,n,off_t(offset+done)); });
   }
 
-  /*! Writes a file to the disk. Returns 0 or an error, but 0 on file systems that do not support this. */
+  /*! Writes a file to the disk. Returns 0 or an errno, but 0 on file systems that do not support this. */
   inline int flushToDisk (int file) {
     return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
   }

@@ -24,7 +24,7 @@ namespace cvert
   {
     if (record.form != FILE_LIST && record.form != FILE_MOVING)
       throw Error(ErrorCode::INVALID_ARGUMENT,"the surface's record has form " + std::to_string(record.form)
-                  + ": expected FILE_LIST or FILE_MOVING");
+                  + ": expected FILE_LIST (1) or FILE_MOVING (2)");
     const VertHeader* const block = (const VertHeader*)data;
     if (const Reason reason = validateVertBlock(record,block,bytes))
       throw Error(reason.code,"the block cannot be saved: " + reason.message());

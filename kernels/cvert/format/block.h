@@ -66,8 +66,8 @@ struct VertHeader
   uint32_t primID;        //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
   uint32_t region;        //!< size and position in the patch: see packRegion
   uint32_t patchQuads;    //!< quads of the patch: see packPatchQuads; or numbering (quad_numbers.h)
-  uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
-                          //!< cornerBits for the other 2 bits
+  uint32_t corners[6];    //!< coordinates of corners 00, 10, 01 and 11: x, y, z of 00 first. 14 of 16 bits each; see
+                          //!< cornerBits for the other 2
   uint32_t info;          //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
                           //!< 24: has remainders; 25..28: shift of bounds; 29: has edges; 30: has primitive numbers;
                           //!< 31: moves

@@ -16,8 +16,8 @@ CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 /*! Blocks begin at multiples of this, in bytes, in memory and in files. */
 CVERT_CONSTANT uint32_t blockAlignment = 16u;
 
-/*! Surface numbers identify the surface of a block. In files they start here; lower ones are of surfaces that this
- *  process built. */
+/*! Surface numbers identify the surface of a block. Without movingSurface, they start here in files; lower ones are of
+ *  surfaces that this process built. */
 CVERT_CONSTANT uint32_t firstFileNumber = 1u << 30;
 
 /*! Bit of the number of a moving surface. */

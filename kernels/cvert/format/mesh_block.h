@@ -166,7 +166,7 @@ CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { r
  *   firstCorners  2 bits per triangle, 0 to 2: where the application's triangle begins, see stripTriangle
  *   newMask       a bit per vertex of the stream from 3 on: it is new and gets the next index in the group
  *   ownMask       a bit per vertex of the group: it belongs to the group
- *   repeats       for each other vertex of the stream: its index in the group
+ *   repeats       for each vertex of the stream that is not new: its index in the group
  *   otherIndices  for each vertex of the group that does not belong to it: its index in the block */
 struct MeshTopology
 {
