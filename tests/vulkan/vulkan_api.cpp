@@ -233,7 +233,7 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
                  {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
                  {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
                  {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
-                 {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16)}}};
+                 {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16), " 2048 bytes"}}};
     for (const auto& w : wrong) {
       EXPECT_FALSE(rtcRecordVulkanRayOrder(uploaded.get(), w.commands, w.rays, w.stride, w.count, w.order));
       expectError(RTC_ERROR_INVALID_ARGUMENT, w.message);

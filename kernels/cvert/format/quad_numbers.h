@@ -13,9 +13,9 @@
  * Bit 30 of VertHeader::info marks such blocks. VertNumbers follows the header in place of edges. patchQuads is the
  * numbering, a word with the pattern and its settings, and primID the base of the numbers.
  *
- * The number of a quad of two triangles is the number of its first triangle. The second triangle's number is higher by
- * 1, or by VertTrianglePairs::distance, if the application lists all first triangles before all second ones. The first
- * corner of the application's triangle determines its parameters. The numbering or the table stores it. */
+ * Except in a table of triangles, the number of a quad of two triangles is the number of its first triangle. The second
+ * triangle's number is higher by 1 or, if the block has VertTrianglePairs, by its distance. The first corner of the
+ * application's triangle, stored in the numbering or the table, determines its parameters. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -27,13 +27,13 @@ CVERT_BEGIN
 struct VertNumbers
 {
   /* rows: differences between neighboring quads along x and y. recursive: 8 bits for each bit of x and y. tables: byte
-   * offset from the start of the block, and bits per entry. With VertTrianglePairs, the numbers after the header are
-   * their byte offset and 0. */
+   * offset from the start of the block, and bits per entry. If the block has VertTrianglePairs, x and y after the
+   * header are its byte offset and 0. */
   uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of blocks in which the numbers of a quad's triangles do not differ by 1. Precedes the table, if any. */
+/*! Section of blocks whose second triangles all have the same distance, not 1. Precedes the table, if any. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
@@ -75,7 +75,7 @@ CVERT_FUNCTION uint32_t patternNumber (uint32_t numbering, VertNumbers numbers, 
   return isTriangleNumbering(numbering) && !haveTrianglePairs(numbering) ? 2u*code : code;
 }
 
-/*! Lowest bits of an entry in a table of triangles that store the first corner. 30 bits remain for the number. */
+/*! Number of lowest bits of a triangle table's entry that store the first corner. 30 remain for the number. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
 CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t numbering) {
@@ -94,15 +94,15 @@ struct QuadPrimitive
 
 struct PrimitiveParameters { float u, v; };
 
-/*! Converts position a, b in a quad to parameters of the application's quad or triangle. numbering: of
- *  QuadPrimitive. */
+/*! Converts position a, b in a quad to parameters of the application's quad or triangle. numbering:
+ *  QuadPrimitive::numbering. */
 CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t numbering, bool isSecond, float a, float b)
 {
   PrimitiveParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleNumbering(numbering)) return parameters;
-  // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
+  // w0, w1, w2: weights of corners 00, 10, 01, or 11, 01, 10 in the second triangle
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = maximum(1.0f-w1-w2,0.0f);
   uint32_t firstCorner = firstCornerOfTriangle(numbering,isSecond);

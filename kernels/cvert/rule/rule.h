@@ -330,9 +330,9 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceAtLongestEdge (CVERT_OF_WIDE(WideTriangle
   return t;
 }
 
-/*! Distance of the hit of a triangle that the ray's line passes through: from the plane, because the weights of needles
- *  have larger errors. A ray in the plane hits where it is nearest to the longest edge, but not before tnear: otherwise
- *  it could leave a closed surface without a hit. */
+/*! Distance of the hit of a triangle that the ray's line passes through: at the plane, because weights of needles have
+ *  larger errors. If the plane is not decisive, where the ray is nearest to the longest edge, but not before tnear
+ *  unless the whole triangle is: otherwise the ray could leave a closed surface without a hit. */
 CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)

@@ -78,7 +78,7 @@ public:
   VkPipeline pipeline(Query query, bool usesRayQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
-  /* The four pipelines of ray_order.comp, compiled on the first call. Throws if the device has smaller workgroups. */
+  /* The four pipelines of ray_order.comp, compiled on the first call. Throws if orderThreads exceeds a device limit. */
   const VkPipeline* makeOrderPipelines();
 
   const RTCDevice embree;         // receives errors; retained, may be NULL

@@ -17,10 +17,9 @@ namespace embree { namespace vulkan {
   F(EnumerateDeviceExtensionProperties) F(CreateDevice) F(GetDeviceProcAddr)
 
 #define CBVH_DEVICE_FUNCTIONS(F) \
-  F(DestroyDevice) F(GetDeviceQueue) F(DeviceWaitIdle) F(QueueSubmit) \
+  F(DestroyDevice) F(GetDeviceQueue) F(QueueSubmit) \
   F(CreateBuffer) F(DestroyBuffer) F(GetBufferMemoryRequirements) F(BindBufferMemory) F(GetBufferDeviceAddress) \
-  F(AllocateMemory) F(FreeMemory) F(MapMemory) F(UnmapMemory) \
-  F(FlushMappedMemoryRanges) F(InvalidateMappedMemoryRanges) \
+  F(AllocateMemory) F(FreeMemory) F(MapMemory) \
   F(CreateShaderModule) F(DestroyShaderModule) F(CreatePipelineLayout) F(DestroyPipelineLayout) \
   F(CreateComputePipelines) F(DestroyPipeline) F(CreatePipelineCache) F(DestroyPipelineCache) F(GetPipelineCacheData) \
   F(CreateCommandPool) F(DestroyCommandPool) F(AllocateCommandBuffers) F(FreeCommandBuffers) \

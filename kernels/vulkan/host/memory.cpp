@@ -38,8 +38,8 @@ std::string sizeText(size_t bytes) { return std::to_string(bytes) + " bytes"; }
 void checkLimit(const Device& device, size_t bytes, const char* what)
 {
   if (bytes > device.capabilities.maxAllocation)
-    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: ") + what + " need " + sizeText(bytes)
-                      + ", and the device's maxMemoryAllocationSize is "
+    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: the buffer for ") + what + " needs "
+                      + sizeText(bytes) + ", and the device's maxMemoryAllocationSize is "
                       + sizeText(device.capabilities.maxAllocation));
 }
 

@@ -85,7 +85,7 @@ void check(VkResult result, const std::string& doing)
   throw VulkanError(isOutOfMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
                     "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result))
                     + (result == VK_ERROR_DEVICE_LOST
-                       ? "; the device is lost, release it and what was made with it" : ""));
+                       ? "; the device is lost: release it, its scenes and its traces" : ""));
 }
 
 /* --- loader and instance ---------------------------------------------------------------- */
@@ -103,7 +103,7 @@ VulkanInstance::VulkanInstance()
   }
   if (!loader)
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
-                      "Vulkan's loader, libvulkan.so.1, is not installed "
+                      "Vulkan's loader, libvulkan.so.1, cannot be loaded "
                       "(Debian: libvulkan1, and mesa-vulkan-drivers or the vendor's driver)");
   try {
     getInstanceProcAddr = PFN_vkGetInstanceProcAddr(dlsym(loader, "vkGetInstanceProcAddr"));

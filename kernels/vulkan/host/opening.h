@@ -9,7 +9,6 @@
 #include <embree3/rtcore_vulkan.h>
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 namespace embree { namespace vulkan {

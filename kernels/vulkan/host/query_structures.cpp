@@ -45,7 +45,7 @@ void QueryStructuresBuilder::addInstance(size_t level, const float* transform, c
 {
   if (placed.size() >= device.capabilities.maxInstances)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: "
-                      + std::to_string(device.capabilities.maxInstances) + " at most");
+                      "expected at most " + std::to_string(device.capabilities.maxInstances));
   VkAccelerationStructureInstanceKHR instance = {};
   instance.transform = matrixOf(transform);
   instance.instanceCustomIndex = uint32_t(placed.size());

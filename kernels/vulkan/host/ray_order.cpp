@@ -42,7 +42,8 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
   const size_t words = rays.rayBytes/4;
   if (words > (size_t(1) << 32)/rays.count)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(rays.rayBytes) + " of "
-                      + std::to_string(rays.count) + " rays: they reach over 2^32 words");
+                      + std::to_string(rays.count) + " rays: expected at most "
+                      + std::to_string(4*((size_t(1) << 32)/rays.count)) + " bytes");
   const uint32_t tiles = uint32_t(tilesOf(rays.count));
   const VkDeviceAddress pairs[2] = {rays.scratch, rays.scratch + pairBytes(rays.count)},
                         counts = rays.scratch + 2*pairBytes(rays.count);

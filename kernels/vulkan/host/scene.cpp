@@ -145,7 +145,8 @@ private:
         const std::string name = nameOf(input, inputs[0], i);
         if (geometry.type == FLAT_OTHER)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
-                            name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
+                            name + " is " + geometry.typeName + ": expected a subdivision surface, a triangle mesh, "
+                            "an instance or compressed geometry");
         if (!geometry.isMotionSupported)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
                             + std::to_string(geometry.numTimeSteps)

@@ -26,7 +26,7 @@ public:
   Scene(Device& device, RTCScene scene, const SceneOptions& options);
 
   Device& device;
-  const ScopedRef<Device> held;       // declared first: must outlive the buffers
+  const ScopedRef<Device> held;       // declared before the buffers, which it must outlive
   VkDeviceAddress address = 0;   // device address of SceneData
   uint32_t kinds = 0;            // mask of the types of references in the scene, without nodeReferenceType; runs of all
                                  // lengths set the bit of firstRunReferenceType

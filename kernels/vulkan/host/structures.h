@@ -15,10 +15,8 @@
 
 namespace embree { namespace vulkan {
 
-class Arena;
 class Buffer;
 class Device;
-class Uploader;
 
 /* An acceleration structure, in a buffer that it may share with others. */
 class Structure

@@ -21,7 +21,7 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits, then writes the rays with their hits, and the times, 0 without timestamps. Each may be NULL. If the device
+  /* Waits, then writes the rays with their hits, and the times (0 without timestamps). Both may be NULL. If the device
    * failed, throws VulkanError and writes nothing. */
   void finish(void* rays, RTCVulkanTraceTimes* times);
 

@@ -4,7 +4,6 @@
 #include "tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <new>

@@ -27,7 +27,7 @@ struct Bounds
   bool isEmpty() const { return !(lower[0] <= upper[0]); }
 };
 
-/* Root of a part of a Tree, until join() connects it. */
+/* A subtree of a Tree, until join() connects it. */
 struct Subtree
 {
   uint32_t root = cbvh::emptyReference;

@@ -93,11 +93,11 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
   return now;
 }
 
-/* Factors of distances at which a ray enters and leaves boxes, so that rounding culls no box with a hit, as nearFactor
- * of kernels/cbvh/traversal/top_level_ray.h. In half ulps: 4 for the rule's shear and sheared vertices, 1 for the
+/* Factors of distances at which a ray enters and leaves boxes, so that rounding culls no box with a hit. Compare with
+ * kernels/cbvh/traversal/top_level_ray.h. In half ulps: 4 for the rule's shear and sheared vertices, 1 for the
  * product, and 5 for the reciprocal, because Vulkan's quotients are off by up to 2.5 ulps. On the direction's largest
- * axis: 1 for the product, and 10 for the quotients of the shear and of the box test, which may differ. Together at
- * most 11, and 6 ulps are 12. */
+ * axis: 1 for the product, and 10 for the quotients of the shear and of the box test, which may differ. The larger
+ * sum is 11, and 6 ulps are 12. */
 const float cbvhNearFactor = 1.0 - 6.0*floatUlp, cbvhFarFactor = 1.0 + 6.0*floatUlp;
 
 /* Bits of a key with the entry distance. Without the sign, because max(0,-0) may be -0. */

@@ -248,7 +248,6 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   if (!local.segment.valid || local.segment.t0 > hit.t*rcpScale) return false;
 
   vec3 D;
-  local.flip = 0u;
   for (int k = 0; k < 3; k++) {
     float d = local.segment.P1[k] - local.segment.P0[k];
     D[k] = d;
@@ -314,24 +313,24 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
     bool descends = false;
     while (true)
     {
-      uint isHit = (hits >> shift) & 15u, isPassed = (passed >> shift) & 15u;
-      uint events = kind == kindLeaf && needsPassedBoxes(state) ? isHit | isPassed : isHit;
+      uint hitChildren = (hits >> shift) & 15u, passedChildren = (passed >> shift) & 15u;
+      uint events = kind == kindLeaf && needsPassedBoxes(state) ? hitChildren | passedChildren : hitChildren;
       if (events == 0u) break;
       uint i = uint(findLSB(events));
       uint before = (2u << i) - 1u;
-      if (i == 1u && ((isHit | isPassed) & 4u) != 0u &&
+      if (i == 1u && ((hitChildren | passedChildren) & 4u) != 0u &&
           slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
         /* the ray enters child 2 before child 1; 5: bits of the children 0 and 2 */
         if ((events & 4u) != 0u) { i = 2u; before = 5u; }
         else before = 7u;
       }
-      else if (i == 2u && ((isHit | isPassed) & 2u) != 0u &&
+      else if (i == 2u && ((hitChildren | passedChildren) & 2u) != 0u &&
                slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) before = 5u;
       hits &= ~(before << shift);
       passed &= ~(before << shift);
 
       int child = int(i ^ local.flip);
-      if ((isHit & (1u << i)) == 0u)
+      if ((hitChildren & (1u << i)) == 0u)
       {
         bool above = (slabs.leaveZ[child] < max(slabs.enterXY[child], 0.0)) != isDown;
         HitResult result = passBox(state, above);

@@ -83,7 +83,7 @@ bool cbvhIsMeshSheared (uint info) { return meshSlope(info, 1u) != 0 || meshSlop
 struct CbvhMeshAxes
 {
   int sheared;               // sheared axis; 3 if there is none
-  bool isBounded;            // boxes clip the sheared ray, see cbvhMaxMeshRatio
+  bool isBounded;            // boxes clip rays on it, see cbvhMaxMeshRatio
   vec3 extent;               // bound of distances from the block's origin; 0 on an axis of ranks
   float org, rcp, error;     // of the sheared ray; error: shearedSlack
 };

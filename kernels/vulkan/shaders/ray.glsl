@@ -3,7 +3,7 @@
 
 /* Rays and hits.
  *
- * Functions with a parameter `hit` return true and update it if they find a hit nearer than hit.t, or one at the same
+ * Intersecting functions return true and update `hit` if they find a hit nearer than hit.t, or one at the same
  * distance that replaces it. If anyHit, a compile-time constant, is true, they return at the first hit. */
 
 #ifndef CBVH_RAY_GLSL

@@ -36,7 +36,7 @@ const uint stride = 12u;
 #else
 const uint stride = 20u;
 #endif
-const uint tfarWord = 8u, maskWord = 9u, hitWord = 12u;
+const uint tfarWord = 8u, hitWord = 12u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RaysIn { vec4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Rays { uint at[]; };
