@@ -6,6 +6,7 @@
 
 #include <exception>
 #include <map>
+#include <new>
 #include <string>
 
 namespace interposer {
@@ -117,7 +118,8 @@ bool Substituted::build(const Progress& progress)
   catch (const std::exception& reason) {
     discard();
     isLeft = true;
-    warnOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
+    const bool isMemory = dynamic_cast<const std::bad_alloc*>(&reason);
+    warnOnce("a %s geometry is left to Embree: %s", nameOf(input.type), isMemory ? "out of memory" : reason.what());
   }
   REAL(rtcCommitGeometry)(substitute); // the bounds have changed
   isCommitted = false;
