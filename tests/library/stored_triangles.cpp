@@ -267,6 +267,11 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   EXPECT_FALSE(lookUp(leaves));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("cVERT"), std::string::npos) << device.message;
+  RTCGeometry user = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  EXPECT_FALSE(lookUp(user));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_NE(device.message.find("triangles"), std::string::npos) << device.message;
+  rtcReleaseGeometry(user);
   rtcForEachCompressedPart(geometry, 0, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 0.5f, 0.5f, nullptr, nullptr));

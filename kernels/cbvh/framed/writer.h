@@ -206,8 +206,8 @@ namespace embree
         }
         if (!fits) { countAsInvalid(tiled,patchStatistics); return; }
         if (isFrameless && tiled.kind != cbvh::Kind::CGRID) {
-          /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
-           * of cGRID are exact in any frame. */
+          /* GridSOA supports no holes, and does not spread stitched borders, unlike adjacent blocks. The triangles of
+           * cGRID are exact in any frame. */
           patchStatistics.framelessQuads += numQuads;
           TiledBlock cgridBlock(cbvh::Kind::CGRID,tiled.tiling,tiled.index);
           avector<Vec3fa> memory(cgridBlock.layout.stride/sizeof(Vec3fa));

@@ -27,7 +27,7 @@ namespace embree
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until needed
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built; a commit resets outdated ones
-    std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, from its commit until blocks are built; atomic
+    std::shared_ptr<const QuadRegions> regions;        //!< of a mesh, until blocks are built; use atomic_load
     bool inputReleased = false;                        //!< blocks cannot be rebuilt; also if loaded from a file
     const char* rejectionReason = nullptr;             //!< why a request was rejected ("": no input), or null
 
@@ -129,7 +129,7 @@ namespace embree
   void* requireBuffer (Geometry* geometry, void* data);
 
   /*! Begins the commit of a geometry: checks its buffers, and decides whether it is compressed. Returns true if Embree
-   *  must read its buffers again. Throws rtcore_error if buffers are invalid, or were released and not set again, or if
+   *  must read the buffers again. Throws rtcore_error if buffers are invalid, or were released and not set again, or if
    *  endCommit() is building blocks of the geometry. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);

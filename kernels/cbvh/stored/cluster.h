@@ -32,7 +32,7 @@ namespace embree
     };
     enum { numClusterReasons = 4 };
 
-    /*! Up to 8 x 8 quads, with 81 vertices and 128 triangles. For DGF up to 32 quads, with 64 of both. */
+    /*! Up to 8 x 8 quads, with 81 vertices and 128 triangles. For DGF up to 64 vertices and 64 triangles. */
     struct StoredCluster
     {
       ClusterFormat format;        //!< the requested one, or FLOAT3

@@ -13,8 +13,9 @@ namespace embree
   [[noreturn]] inline void throwNotCompressed (const CompressibleGeometry* geometry)
   {
     const char* const reason = geometry ? geometry->surface.rejectionReason : nullptr;
-    const std::string why = reason && *reason ? std::string("its primitives ") + reason
-      : "it asks for no compression, or its scene has not been committed";
+    const std::string why = !geometry ? "expected a subdivision surface, grids, quads or triangles"
+      : !reason ? "it asks for no compression, or its scene has not been committed"
+      : *reason ? std::string("its primitives ") + reason : "it has no vertices or no primitives";
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: " + why);
   }
 

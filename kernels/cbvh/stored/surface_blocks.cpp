@@ -4,7 +4,6 @@
 /* Also implements SurfaceNumber (base/surface_ids.h) and BlockMemory (base/block_memory.h). */
 
 #include "surface_blocks.h"
-#include "../base/kinds.h"
 #include "stored_triangles.h"
 #include <algorithm>
 #include <functional>
@@ -20,10 +19,10 @@ namespace embree
       /*! Protects the following variables, and between concurrent builds of scenes also SurfaceState::number and
        *  blocks, and writes of surfaceIDs. Commits of geometries change the blocks without it. */
       MutexSys mutex;
-      /*! Unused numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
+      /*! Unused numbers below nextNumber, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
-      uint32_t usedNumbers = 0;
+      uint32_t nextNumber = 0;
       std::set<uint32_t> fileNumbers;    //!< numbers from files that are in use, at least firstFileNumber
     }
 
@@ -32,8 +31,8 @@ namespace embree
       Lock<MutexSys> lock(mutex);
       if (fileNumber != none && fileNumbers.insert(fileNumber).second) { value = fileNumber; return; }
       if (freeNumbers.empty()) {
-        if (freeNumbers.capacity() <= usedNumbers) freeNumbers.reserve(2*size_t(usedNumbers)+16);
-        value = usedNumbers++;
+        if (freeNumbers.capacity() <= nextNumber) freeNumbers.reserve(2*size_t(nextNumber)+16);
+        value = nextNumber++;
         return;
       }
       std::pop_heap(freeNumbers.begin(),freeNumbers.end(),std::greater<uint32_t>());

@@ -33,7 +33,7 @@ namespace embree
     /*! Bounds and BVH4::NodeRefs of the parts over which scenes build their trees: blocks and grids, or subtrees
      *  of a few. */
     mvector<PrimRef> parts;
-    /*! BVH4::NodeRefs of the blocks of a moving surface, for the trees of scenes. It has no parts. */
+    /*! BVH4::NodeRefs of the blocks of a moving surface, which has no parts, for the trees of scenes. */
     mvector<size_t> moving;
     /*! Boxes of moving blocks at their steps, block by block. Null once a scene has built its tree, and for surfaces of
      *  files: scenes then decode the blocks. Use atomic_load and atomic_store, because scenes may be built
@@ -46,7 +46,7 @@ namespace embree
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! Returns the index for core::findTriangle(), which the first call builds. Thread-safe. Throws as BlockIndex(). */
+    /*! Returns the index for core::findTriangle(). The first call builds it. Thread-safe. Throws as BlockIndex(). */
     const cbvh::BlockIndex& index () const;
 
   private:

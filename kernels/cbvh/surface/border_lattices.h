@@ -42,7 +42,7 @@ namespace embree
     public:
       /*! spacingPerEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for vertices
        *  that were evaluated. */
-      explicit LatticeChoice (double spacingPerEdge = 0) : spacingPerEdge(spacingPerEdge) {}
+      explicit LatticeChoice (double spacingPerEdge) : spacingPerEdge(spacingPerEdge) {}
 
       /*! Must be called for each patch if spacingPerEdge is 0. quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) minQuads[d] = min(minQuads[d],quads[d]); }

@@ -18,7 +18,7 @@ namespace embree
         if (topology.vertexIndices) topology.halfEdges.reserve(mesh->numEdges());
     }
 
-    /*! Frees the arrays that sort half-edges, which are as large as the half-edges. They are needed again only if the
+    /*! Frees the arrays for sorting half-edges, as large as the half-edges. Embree needs them again only if the
      *  topology changes. */
     static void freeSortedEdges (SubdivMesh* mesh)
     {

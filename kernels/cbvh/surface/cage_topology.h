@@ -177,7 +177,7 @@ namespace embree
         }
       };
 
-      /*! Also returns half-edges of faces that do not participate, because their vertices are not finite for example:
+      /*! Also returns half-edges of faces that do not participate, for example with vertices that are not finite.
        *  Embree counts them, but not holes, to find non-manifold edges. */
       std::vector<KeyedEdge> halfEdgesWithoutOpposite () const
       {

@@ -23,7 +23,7 @@ namespace embree
     /*! camera: checked by validate() in core/dicing.cpp. Not used afterwards. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
-          pixelSize(double(camera.pixelSize)*camera.quadSize), outsideFactor(camera.outsideFactor),
+        quadSize(double(camera.pixelSize)*camera.quadSize), outsideFactor(camera.outsideFactor),
         hasPicture(camera.width > 0.0 && camera.height > 0.0)
     {
       for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
@@ -63,7 +63,7 @@ namespace embree
         for (int i=0; i<4; i++) for (int j=i+1; j<4; j++) d2 = min(d2,squaredDistance(corners[i],corners[j]));
         distance = std::sqrt(d2);
       }
-      return 1.0/(distance*pixelSize*growth(corners,center));
+      return 1.0/(distance*quadSize*growth(corners,center));
     }
 
   private:
@@ -95,7 +95,7 @@ namespace embree
 
     Double3 eye;
     bool orthographic;
-    double pixelSize, outsideFactor; //!< pixelSize: requested size of a quad at distance 1
+    double quadSize, outsideFactor; //!< quadSize: requested size of a quad at distance 1
     bool hasPicture;
     double transform[12];
     Double3 forward;      //!< unit vector

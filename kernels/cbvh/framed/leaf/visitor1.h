@@ -19,7 +19,7 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
         static const uint32_t kind = kindLeaf;
 
-        /*! Hits in other blocks do not shorten the walk: boxes that a ray passes after them affect hits before them. */
+        /*! Hits in other blocks do not shorten the walk: a hit before them can depend on boxes after them. */
         template<typename... Args>
         __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
 

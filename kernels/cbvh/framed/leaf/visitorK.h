@@ -171,13 +171,13 @@ namespace embree
           exitS = select(unhit,x.s1,exitS);
           if (any(hit)) {
             setSurface(hits,surfaces,child);
-            found(this->reportHits(hit,16*m+child,hits));
+            markFound(this->reportHits(hit,16*m+child,hits));
           }
         }
 
       private:
         /*! As afterHit(). */
-        __forceinline void found (const vbool<K>& accepted)
+        __forceinline void markFound (const vbool<K>& accepted)
         {
           state.found |= accepted;
           state.pending = andn(state.pending,accepted);
@@ -209,7 +209,7 @@ namespace embree
             hits.fromAbove = above;
             hits.fromBelow = !above;
             setSurface(hits,tile.surfaces,leaf & 15u);
-            found(this->reportHits(vbool<K>(int(1u << k)),leaf,hits));
+            markFound(this->reportHits(vbool<K>(int(1u << k)),leaf,hits));
           }
         }
 
