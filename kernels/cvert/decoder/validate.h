@@ -109,7 +109,7 @@ namespace cvert { inline namespace CVERT_ISA
           return Reason::damaged("its remainders have % bits: expected at most %, or 31 for floats",bits,
                                  maxRemainderBits);
         if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min()))
-          return Reason::damaged("the spacing of its remainders is too small for a float");
+          return Reason::damaged("the spacing of its remainders is not a normal float");
       }
       if (remainderOffset(remainders) < end)
         return Reason::damaged("its remainders begin at %: expected % or later",remainderOffset(remainders),end);
