@@ -6,7 +6,6 @@
 /* Interpolation of vertices and planes in a segment, the time between two steps. */
 
 #include "../base/vectors.h"
-#include "tables.h"
 
 namespace embree
 {

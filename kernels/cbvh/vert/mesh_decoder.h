@@ -258,8 +258,8 @@ namespace embree
         __forceinline bool isSheared () const { return (block->info & 0x03FF0000u) != 0; }
 
         /*! Sets the axes of boxes in world space. The shear is 1 on the sheared axis, and slope times ratio of spacings
-         *  on the others. If a ratio or its inverse exceeds 2^maxRatio, no axis is sheared, and boxes are unlimited
-         *  on the axis that the block shears. */
+         *  on the others. If a ratio or its inverse exceeds 2^maxRatioExponent, no axis is sheared, and boxes are
+         *  unlimited on the axis that the block shears. */
         __forceinline void setAxes (MeshBlockEntry& out) const
         {
           out.shearedAxis = 3;
@@ -267,18 +267,18 @@ namespace embree
           if (likely(!isSheared())) return;
           const int m = int(meshShearedAxis(block->info));
           for (int i=1; i<3; i++)
-            if (exponentRatio(m,i) < -maxRatio || exponentRatio(m,i) > maxRatio) return;
+            if (ratioExponent(m,i) < -maxRatioExponent || ratioExponent(m,i) > maxRatioExponent) return;
           out.shearedAxis = m;
           out.shear[m] = 1.0f;
           for (int i=1; i<3; i++)
             out.shear[axisAfter(m,i)] = float(meshSlope(block->info,uint32_t(i)))*(1.0f/16.0f)
-              *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
+              *floatOfBits(uint32_t(ratioExponent(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< as an exponent
+        static const int maxRatioExponent = 30;
 
         /*! Exponent of the ratio of the spacings on axis m and on the i-th axis after it. */
-        __forceinline int exponentRatio (int m, int i) const
+        __forceinline int ratioExponent (int m, int i) const
         {
           auto exponent = [&](int k) { return int((block->spacings >> (8*k)) & 255); };
           return exponent(m) - exponent(axisAfter(m,i));
@@ -419,16 +419,16 @@ namespace embree
             const __m128i sizes = toWords(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(sizes,fiveBits),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
+              streamMinus2 = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts));
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),fiveBits),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),fiveBits);
             // 31 means 32, see groupNumberBits
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,fiveBits));
             // restarts, fans, firstCorners, newMask, ownMask; then repeats, and indices of other groups' vertices
-            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,vertexCount[half]));
+            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(streamMinus2,vertexCount[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(toWords(repeats),
-              _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),vertexCount[half])));
+              _mm_sub_epi16(_mm_add_epi16(streamMinus2,_mm_set1_epi16(2)),vertexCount[half])));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(vertexCount[half],own[half])));
             topology[half] = _mm_and_si128(sum,isPresent);
             vertices[half] = _mm_mullo_epi16(own[half],toWords(bitsPerVertex));

@@ -17,7 +17,6 @@
 #include "../../cvert/encoder/motion_encoder.h"
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "../../cvert/encoder/snapped_vertices.h"
-#include "../../cvert/decoder/validate.h"
 
 namespace embree
 {

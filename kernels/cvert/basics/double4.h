@@ -16,7 +16,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /* The functions of language.h for templates on Real. Operands are swapped because min(b,a) is a < b ? a : b in each
+  /* The functions of language.h for templates on Wide. Operands are swapped because min(b,a) is a < b ? a : b in each
    * lane, as in minimum(a,b) of scalars, also for NaN and zeros. */
   inline Double4 minimum(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 maximum(Double4 a, Double4 b) { return max(b,a); }
@@ -26,7 +26,7 @@ namespace cvert { inline namespace CVERT_ISA
     Double4 p = a*b;
 #if defined(__GNUC__) && defined(__AVX__) && defined(__x86_64__)
     asm("" : "+x"(p.v)); // prevents fusing, see unfused() in language.h
-#endif
+#endif // ARM64: -ffp-contract=off, kernels/upstream/arm64.cmake
     return p;
   }
 }}

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vectors of four floats or integers, for encoders, and for decoders and intersectors that convert from and to
- * Double4 (double4.h). Results equal the results of scalar code, so that all instruction sets encode the same bytes.
+/* Vectors of four floats or integers, for encoders, and for intersectors that convert from and to Double4
+ * (double4.h). Results equal the results of scalar code, so that all instruction sets encode the same bytes.
  * Encoders require -ffp-contract=off where compilers could fuse multiplications and additions. CVERT_PORTABLE selects
  * plain C++ instead of SSE and NEON. lanes_sse.h documents the functions. */
 

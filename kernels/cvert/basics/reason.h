@@ -18,7 +18,7 @@ namespace cvert
     DAMAGED,           //!< the bytes contradict each other or the format
     UNSUPPORTED,       //!< version or feature that this library cannot read
     INVALID_ARGUMENT,
-    INVALID_OPERATION  //!< wrong state, or a failed write, as to a full disk
+    INVALID_OPERATION  //!< wrong state, failed write, or geometry that cannot be saved
   };
 
   /*! Why bytes are rejected. Converts to true if there is a reason, to false if the bytes are valid. */

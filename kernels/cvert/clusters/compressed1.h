@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, DirectX's input format of clusters of triangles for builders on GPUs: a
+/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, DirectX's input format for builds from clusters of triangles on GPUs: a
  * header of 12 bytes, then offsets from its anchor without gaps. docs/formats/clusters.md has the table of bits.
  *
  * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. For the

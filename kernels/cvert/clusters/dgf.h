@@ -5,7 +5,7 @@
 
 /* Triangles as blocks of 128 bytes of AMD's Dense Geometry Format, DGF1:
  *
- *   header, 20 bytes | offsets of vertices | indices of reused vertices -> ... <- first bits | <- controls of triangles
+ *   header, 20 bytes | offsets of vertices | indices of reused vertices -> ... <- first uses | <- controls of triangles
  *
  * Each triangle shares an edge with one of the two triangles before it, or restarts the strip. Vertices are in the
  * order of their first use, so only reused vertices need an index.

@@ -96,7 +96,7 @@ namespace cvert
 
     const float* const points;
     const uint32_t stride, width;
-    uint8_t number[maxVertices];  //!< vertex that replaces it, or itself
+    uint8_t number[maxVertices];  //!< by vertex: its replacement, or itself
     bool isUsed[maxVertices];     //!< by a triangle
   };
 }

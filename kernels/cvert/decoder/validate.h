@@ -30,7 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       const VertLayout layout = vertLayout(header.region,header.info);
       if (bytes < layout.margins)
-        return Reason::damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
+        return Reason::damaged("it has % bytes: header, edges or numbers, and motion need %",bytes,layout.margins);
       if (const Reason reason = hasNumbers(header.info) ? validateNumbers(header) : validatePatch(header))
         return reason;
       size_t end;
@@ -57,7 +57,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! Checks axis and slopes. word: of a cell, or VertHeader::info. */
+    /*! Checks axis and slopes. word: of a cell, or `info` of a header or step. */
     static bool hasValidSlopes(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -106,14 +106,15 @@ namespace cvert { inline namespace CVERT_ISA
         const uint32_t bits = remainderBits(remainders,k);
         if (bits == remaindersAreFloats) continue;
         if (bits > maxRemainderBits)
-          return Reason::damaged("its remainders have % bits: expected at most %",bits,maxRemainderBits);
+          return Reason::damaged("its remainders have % bits: expected at most %, or 31 for floats",bits,
+                                 maxRemainderBits);
         if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min()))
-          return Reason::damaged("the spacing of its remainders is too small for a float");
+          return Reason::damaged("the spacing of its remainders is not a normal float");
       }
       if (remainderOffset(remainders) < end)
         return Reason::damaged("its remainders begin at %: expected % or later",remainderOffset(remainders),end);
       end = size_t(remainderOffset(remainders)) + bytesOfRemainders(remainders,region);
-      return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
+      return bytes < end ? Reason::damaged("its remainders end at %: expected at most %",end,bytes) : Reason();
     }
 
     /*! end: end of the first step; receives the end of the last */
@@ -241,8 +242,9 @@ namespace cvert { inline namespace CVERT_ISA
       if (!hasEdges(header.info)) return Reason();
       const VertEdges edges = edgesOf(&header);
       if (edges.high & 0xF000F000u) return Reason::unsupported("reserved bits of its edges are set: expected 0");
-      if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges)))
-        return Reason::damaged("its patch starts outside of its face");
+      const uint32_t u = vertCornerU(edges), v = vertCornerV(edges);
+      if (!isPatchCorner(u,v))
+        return Reason::damaged("its patch starts at (%/2,%/2): expected (0,0), or each 1/2, 5/2, 9/2 or 13/2",u,v);
       for (int s=0; s<4; s++)
         if (vertRate(edges,s) > quads[s & 1])
           return Reason::damaged("an edge has rate %: expected at most %, the quads of its patch",
