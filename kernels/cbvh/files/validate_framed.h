@@ -39,8 +39,9 @@ namespace embree
       if (height > maxFramedLevel)
         return Reason::damaged("its height % is out of range: expected 0 to %",height,maxFramedLevel);
       if (const Reason reason = validateFrame(header)) return reason;
-      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling)))
-        return Reason::damaged("its patch starts outside of its face");
+      const uint32_t u = cornerUOf(header.tiling), v = cornerVOf(header.tiling);
+      if (!isPatchCorner(u,v))
+        return Reason::damaged("its patch starts at (%/2,%/2): expected (0,0), or each 1/2, 5/2, 9/2 or 13/2",u,v);
       if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling))
         return Reason::damaged("it lies outside of its patch");
       const size_t needed = blockLayout(kind,height).bytes;
