@@ -16,7 +16,6 @@
 #include "../base/codec_names.h"
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "welded_vertices.h"
-#include <algorithm>
 #include <memory>
 
 namespace embree
