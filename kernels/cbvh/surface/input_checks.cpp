@@ -70,6 +70,6 @@ namespace embree
       if (mesh->grid(i).lineVtxOffset == 0 && size_t(mesh->grid(i).resX)*mesh->grid(i).resY > large)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of "
             + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
-            + " vertices has a stride of 0: expected at least 1, the number of vertices from one row to the next");
+            + " vertices has a stride of 0 vertices from one row to the next: expected at least 1");
   }
 }

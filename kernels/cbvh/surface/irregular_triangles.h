@@ -120,8 +120,8 @@ namespace embree
           : bytesOfTriangleInEmbree(plan.numTimeSteps));
       }
 
-      /*! Chooses the lattices, and finds the primitives that a ray can hit. borders: of the mesh's grids, valid until
-       *  release(), or null. */
+      /*! Chooses the lattices, and finds the primitives that a ray can hit. borders: of the mesh's grids, or null;
+       *  snapCorners() reads them. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -284,8 +284,8 @@ namespace embree
       }
 
       /*! True if a lattice flips more than half of a sample of triangles: finding exceptions would take longer than the
-       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow, as one with exceptions has
-       *  the finest spacing of its vertices anyway. */
+       *  rest of the build, so prepare() uses a finer lattice for all. Blocks hardly grow: a block with exceptions
+       *  has the finest spacing of its vertices anyway. */
       bool flipsMost (int exponent) const
       {
         const cbvh::MeshLattice lattice(exponent);
@@ -338,7 +338,7 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! Refines lattices until no triangle flips, as a vertex on a finer lattice can flip other triangles. One thread
+      /*! Refines lattices until they flip no triangle: a vertex on a finer lattice can flip other triangles. One thread
        *  changes the lattices, in a fixed order: results do not depend on threads. */
       template<typename Progress>
       void refineUntilNoneFlips (std::vector<TaskResult>& found, const Progress& progress)

@@ -31,7 +31,7 @@ namespace embree
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
       size_t faceValence = 0, edgeValence = 0;
-      const HalfEdge* around = edge; // backwards around the vertex; continues at the other end of a border
+      const HalfEdge* around = edge; // backwards around the vertex; at a border, continues at the vertex's other border
       do {
         const unsigned corners = around->numEdges();
         if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
@@ -49,7 +49,7 @@ namespace embree
     /*! True if Embree can evaluate a face. corners: number of half-edges from `first`. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
-      if (corners < 3) return false; // the only corner has no next edge
+      if (corners < 3) return false; // next() of a face's only half-edge is invalid
       const HalfEdge* edge = first;
       while (!isUnsupportedAtVertex(edge))
         if ((edge = edge->next()) == first) return true;

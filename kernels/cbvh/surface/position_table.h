@@ -33,7 +33,7 @@ namespace embree
         while (size < vertices + vertices/8) size *= 2;
         if (size > none)
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-            "too many vertices on the borders of grids: expected at most 1.9e9");
+            "grids have " + std::to_string(vertices) + " vertices on their borders: expected at most 1.9e9");
         slots.resize(size);
         parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) {
             std::fill(slots.data()+r.begin(),slots.data()+r.end(),uint64_t(0));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Regions of a mesh whose quads form a grid, found from connectivity alone. As grids they need fewer bytes than as
+/* Regions of a mesh whose quads form a grid, found from connectivity alone. Most need fewer bytes as grids than as
  * mesh blocks. Vertices with the same position may count as one (welded_vertices.h). In a triangle mesh, quads are
  * pairs of triangles that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree splits it
  * from v1 to v3, like the quads of grids:
@@ -16,7 +16,6 @@
 #include "../base/codec_names.h"
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "welded_vertices.h"
-#include <algorithm>
 #include <memory>
 
 namespace embree
@@ -136,13 +135,13 @@ namespace embree
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
     size_t numRegular = 0;                   //!< number of regions without irregular quads
-    cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from the quad at its corner v0
+    cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from the region's corner v0
     std::shared_ptr<const WeldedVertices> welded; //!< null: vertices are matched by index
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool firstCornersDiffer = false; //!< triangles of a region's quads begin at different corners
     bool isOutOfMemory = false; //!< memory ran out while regions were searched
     cbvh::UnmonitoredVector<unsigned> irregular; //!< primitives in mesh blocks (mesh_regions.h), ascending
-    bool areAllIrregular = false; //!< no regions, and `irregular` is empty
+    bool areAllIrregular = false; //!< all primitives are in mesh blocks; `irregular` is empty
     size_t numInvalid = 0;    //!< primitives with an index that is not a vertex, if regions were found
 
     size_t bytes () const

@@ -56,8 +56,8 @@ namespace embree
           exponent(cbvh::losslessExponent) {}
     };
 
-    /*! Encodes a claim (part 1 of the rule) as an integer. rate: the claiming primitive's own rate along the edge, less
-     *  than 2^31; 0 for a corner, whose owner is independent of rates. number: unique among the claims. */
+    /*! Encodes a claim (part 1 of the rule) as an integer. rate: the claiming primitive's own rate along the edge;
+     *  0 for a corner, whose owner is independent of rates. number: unique among the claims. */
     inline uint64_t claimOf (unsigned rate, uint32_t number) { return uint64_t(rate) << 32 | number; }
 
     /*! Returns the first vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves

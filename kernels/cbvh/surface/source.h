@@ -20,7 +20,7 @@
  * the patches made with them, belong to one task.
  *
  * ERRORS. Members may throw rtcore_error, std::bad_alloc, or what progress() throws. The build then ends, and the
- * geometry keeps its old blocks. Vertices that are not finite are no error: writers omit their quads and count them.
+ * geometry remains without blocks. Vertices that are not finite are no error: writers omit and count their quads.
  *
  * PATCH. A class derived from SurfacePatch, below. Its constructor sets the members of SurfacePatch. It also has:
  *

@@ -450,7 +450,7 @@ namespace embree
     }
 
     /*! Pairs corresponding triangles of both halves that share an edge. */
-    bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+    void pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                      mvector<unsigned>& seconds)
     {
       const size_t n = mesh->triangles.size()/2;
@@ -467,10 +467,9 @@ namespace embree
           }
           return numJoined;
         },std::plus<size_t>());
-      if (numJoined == n) return true;
+      if (numJoined == n) return;
       for (size_t t=0; t<n; t++)
         if (seconds[t] == t) { firsts.push_back(unsigned(n+t)); seconds.push_back(unsigned(n+t)); }
-      return true;
     }
   }
 
@@ -479,7 +478,7 @@ namespace embree
   {
     RegularityTest test(mesh,welded);
     if (!test.areVerticesRegular()) return false;
-    if (areHalves(mesh,welded)) return pairHalves(mesh,welded,firsts,seconds);
+    if (areHalves(mesh,welded)) { pairHalves(mesh,welded,firsts,seconds); return true; }
     if (!test.hasWideParts()) return false;
     if (mesh->triangles.size() >= size_t(1) << 30 || mesh->numVertices() >= size_t(1) << 31) return false;
     PairFinder(mesh,welded).run(firsts,seconds);

@@ -41,7 +41,7 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      /*! A vertex in its bucket, with its position at the first time step, so that a task reads only its bucket. */
+      /*! A vertex in its bucket, with its position at the first time step, for which a task reads only its bucket. */
       struct Entry
       {
         unsigned hash, vertex;

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries (rtcPointQuery) over compressed geometries. A box is within reach if it touches the query's sphere, or
- * its box for Embree's AABB queries. The application's function is called, possibly several times, for the primitive of
- * each block whose box in the tree is within reach, or that is the tree's only block. In blocks with numbers of quads
- * and in mesh blocks, it is called for each quad or triangle whose box is within reach. As in Embree, queries find no
- * subdivision surfaces. */
+ * the query's box for Embree's AABB queries. The application's function is called, possibly several times, for the
+ * primitive of each block whose box in the tree is within reach, or that is the tree's only block. In blocks with
+ * numbers of quads and in mesh blocks, it is called for each quad or triangle whose box is within reach. As in Embree,
+ * queries find no subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/block_validity.h"

@@ -29,7 +29,7 @@ namespace embree
     template<typename Entries>
     static size_t bytesOf () { return sizeof(ThreadCache<Entries>)/(2-largeCaches); }
 
-    /* files/mapped_blocks.h sets them. They are defined here, so that decoders do not depend on files. */
+    /* files/mapped_blocks.cpp sets them. They are defined here, so that decoders do not depend on files. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<BlockValidator> mappedBlockValidator(nullptr);
 

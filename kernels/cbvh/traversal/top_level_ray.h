@@ -43,10 +43,10 @@ namespace embree
 
       /*! Factors of reciprocals for the distances at which rays enter and leave boxes: 3 ulps as in Embree, so that
        *  grids of GRID have the hits that they have in Embree's own tree. No lost ray is known. A proof that traversal
-       *  culls no box of a triangle that cvert/rule/rule.h hits in front of the ray would need 3.5 ulps. Half ulps of
-       *  the hit's distance on the direction's largest axis: 2 for the shear of the other axes, at most 2 for rounding
-       *  sheared vertices, and 3 for the distance to a plane (reciprocal, factor, product). Subtracting the origin
-       *  adds none, because planes and vertices round the same way. */
+       *  culls no box of a triangle that cvert/rule/rule.h hits in front of the ray would need 3.5 ulps: 7 half ulps
+       *  of the hit's distance on the direction's largest axis. 2 are for the shear of the other axes, at most 2 for
+       *  rounding sheared vertices, and 3 for the distance to a plane (reciprocal, factor, product). Subtracting the
+       *  origin adds none, because planes and vertices round the same way. */
       static constexpr float nearFactor = 1.0f-3.0f*std::numeric_limits<float>::epsilon();
       static constexpr float farFactor = 1.0f+3.0f*std::numeric_limits<float>::epsilon();
 

@@ -58,8 +58,8 @@ namespace embree
     class VertEntries
     {
     public:
-      /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. 512: less
-       *  than most full blocks, so that neighboring blocks have different entries. */
+      /*! If the entry's `block` differs, the caller must decode the block into the entry and set `block`. 512: most
+       *  full blocks have more bytes, so that neighboring blocks have different entries. */
       __forceinline VertBlockEntry& blockEntry (const void* block) {
         return blocks[blocks.indexOf(localityHashOfBlock(block,512))];
       }
@@ -156,7 +156,7 @@ namespace embree
       CacheEntries<GroupEntry,numGroups> groups;
     };
 
-    /* 323 is odd, so that blocks at distances of a power of two use all entries. */
+    /* 323 is odd: blocks at distances of a power of two would otherwise share few entries. */
     typedef SegmentEntries<VertSegmentEntry,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;

@@ -9,7 +9,6 @@
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
-#include "../embree/ray.h"
 
 namespace embree
 {
