@@ -477,6 +477,27 @@ TEST(Meshes, InvalidPrimitivesAreLeftOut)
   }
 }
 
+// In meshes that are stored in grids, in mesh blocks, and in both.
+TEST(Meshes, InvalidIndicesAreCounted)
+{
+  Device device;
+  Random random(129);
+  const DicedMesh sheet = meshOf(dicedSheet(1, 64, lattice), QuadOrder::Rows, random);
+  for (DicedMesh mesh : {sheet, trianglesOf(sheet), irregularQuads(sheet, random), irregularTriangles(sheet, random),
+                         partlyIrregular(sheet, random, false), partlyIrregular(sheet, random, true)}) {
+    for (unsigned i = 0; i < 10; i++)
+      if (mesh.isTriangleForm()) mesh.triangles[300*i][i % 3] = unsigned(mesh.vertices.size());
+      else mesh.quads[300*i][i % 4] = ~0u;
+    for (unsigned timeSteps : {1u, 2u}) {
+      Scene scene(device);
+      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
+      rtcCommitScene(scene);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      EXPECT_EQ(statisticsOf(scene).numInvalidQuads, mesh.isTriangleForm() ? 5u : 10u);
+    }
+  }
+}
+
 // --- settings ---------------------------------------------------------------------------------
 
 TEST(Meshes, CompressionCanBeSelected)

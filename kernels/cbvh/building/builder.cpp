@@ -33,7 +33,10 @@ namespace embree
       const std::shared_ptr<const QuadRegions> regions = regionsOf(mesh);
       if (regions->hasIrregular())
         irregular.reset(new IrregularBlocks(TrianglesOfMesh(mesh),regions,plan,mesh->device));
-      return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular)));
+      // mesh blocks of all primitives count those with invalid indices themselves
+      const size_t numInvalid = regions->areAllIrregular ? 0 : regions->numInvalid,
+        invalidQuads = TrianglesOfMesh(mesh).areHalvesOfQuads() ? numInvalid : (numInvalid+1)/2;
+      return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular),invalidQuads));
     }
 
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const SurfaceNumberPointer& number,

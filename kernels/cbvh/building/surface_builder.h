@@ -55,11 +55,13 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan must outlive this object. irregular: blocks of primitives that are in no grid, or null. */
+      /*! mesh and plan must outlive this object. irregular: blocks of primitives that are in no grid, or null.
+       *  numInvalidQuads: quads that are in neither, for the statistics. */
       template<typename Mesh>
       SourceBuilder (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
-                     std::unique_ptr<IrregularBlocks> irregular = nullptr)
+                     std::unique_ptr<IrregularBlocks> irregular = nullptr, size_t numInvalidQuads = 0)
         : device(mesh->device), number(number), plan(plan), source(mesh,plan), irregular(std::move(irregular)),
+          numInvalidQuads(numInvalidQuads),
           progressPerPrimitive(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks() + (this->irregular ? this->irregular->estimateBlocks() : 0)),
           perTask(source.perTask(isSmall())) {}
@@ -101,6 +103,7 @@ namespace embree
           [&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
         if (irregular) irregular->build(blocks.memory,results,source.size(),progress);
         blocks.statistics = results.statistics;
+        blocks.statistics.sums.numInvalidQuads += numInvalidQuads;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
       }
 
@@ -220,6 +223,7 @@ namespace embree
       const CompressionPlan& plan;
       Source source;
       const std::unique_ptr<IrregularBlocks> irregular;
+      const size_t numInvalidQuads;
       const double progressPerPrimitive; //!< primitives of the geometry per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
