@@ -99,7 +99,7 @@ namespace embree
       }
     }
 
-    /*! T: float or int. Rejects numbers out of its range, and fractions of int. */
+    /*! T: float or int. Rejects numbers out of its range and, for int, fractions. */
     template<typename T>
     bool isNumber (const std::string& text)
     {

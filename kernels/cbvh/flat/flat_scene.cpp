@@ -5,7 +5,6 @@
 
 #include "../embree/scene.h"
 #include "../framed/block.h"
-#include "../../cvert/format/motion.h"
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../stored/block_bytes.h"
