@@ -4,7 +4,7 @@
 #pragma once
 
 /* Tree over the moving blocks of a scene: Embree's BVH4 for motion blur, with boxes that are linear in time and nodes
- * that split the time range. Boxes contain the blocks also in the floats of traversal (see MovingPlane). */
+ * that split the time range. Boxes contain the blocks despite rounding in traversal (see MovingPlane). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"

@@ -189,7 +189,7 @@ namespace embree
         };
 
         /*! For segments with a raw end: traversal's decoder omits groups without a finite vertex at one of the ends,
-         *  but the box of the other end is also used in the next segment. */
+         *  but the box of the other end is also used in another segment. */
         static cbvh::StepBox boundStep (const cbvh::VertHeader* block, unsigned step)
         {
           cbvh::StepBox box;

@@ -44,7 +44,7 @@ namespace embree
     static const size_t expectedMeshBlockBytes = 1664;
 
     /*! Chunk size of Embree's allocator for meshes below 16 MiB. */
-    static const size_t smallPieceBytes = 2048;
+    static const size_t smallChunkBytes = 2048;
 
     /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
     template<typename Source>
@@ -77,7 +77,7 @@ namespace embree
           + meshBlocks*expectedMeshBlockBytes;
         // Embree's allocator allocates chunks of a twentieth of this, at most 2 MiB. BlockMemory allocates pieces above
         // an eighth of a chunk separately: with small chunks, most pieces of a mesh.
-        if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
+        if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallChunkBytes);
         blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
         if (irregular) irregular->prepare(bordersOf(source,0),progress);

@@ -23,8 +23,8 @@ namespace embree
         if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE
             || cbvh::findKind(compression,kind)) return;
         const bool isOfPaper = compression >= RTC_COMPRESSION_CGRID && compression <= RTC_COMPRESSION_CLEAF;
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(isOfPaper ? "this library was built without compression "
-            : "unknown compression ") + std::to_string(compression));
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid compression " + std::to_string(compression)
+            + (isOfPaper ? ": this library was built without it" : ": expected a value of RTCCompression"));
       }
 
       std::string textOf (int value) { return std::to_string(value); }

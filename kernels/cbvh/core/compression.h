@@ -33,7 +33,7 @@ namespace embree
 
     /*! Returns why the last commit left a geometry to Embree's kernels although it requests compression: a static text
      *  that completes "its primitives ...", for example "are too few to matter". Null otherwise, and for a mesh without
-     *  primitives. Thread safety: as hasBlocks(). */
+     *  primitives or buffers. Thread safety: as hasBlocks(). */
     const char* reasonNotCompressed (Geometry* geometry);
 
     /*! Returns how many faces a geometry's blocks leave out, as Embree's subdivision does; 0 without blocks, and for

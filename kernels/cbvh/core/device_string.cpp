@@ -100,7 +100,7 @@ namespace embree
       }
     }
 
-    /*! T: float or int. Rejects numbers above `highest` or out of T's range, and fractions of int. */
+    /*! T: float or int. Rejects numbers above `highest` or out of its range and, for int, fractions. */
     template<typename T>
     bool isNumber (const std::string& text, T highest = std::numeric_limits<T>::max())
     {

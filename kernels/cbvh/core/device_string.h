@@ -15,7 +15,7 @@ namespace embree
   /*! True for Embree's keys and the cbvh keys. */
   bool isDeviceKey (const std::string& key);
 
-  /*! Returns nearestName() of all known keys, or the cbvh key with this name, for messages. */
+  /*! Returns "cbvh_" + name if it is a key, otherwise nearestName() of all keys. For messages. */
   std::string nearestDeviceKey (const std::string& name);
 
   /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. names: not empty. */

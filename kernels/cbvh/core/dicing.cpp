@@ -37,9 +37,8 @@ namespace embree
         requireAbove("height",camera.height,0.0f,true);
         requireAbove("quadSize",camera.quadSize,0.0f,false);
         requireAbove("outsideFactor",camera.outsideFactor,1.0f,true);
-        requireAbove("maxRate",camera.maxRate,1.0f,true);
-        if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate "
-            + numberText(camera.maxRate) + ": expected 1 to 4096");
+        if (!(camera.maxRate >= 1.0f && camera.maxRate <= 4096.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+            "invalid maxRate " + numberText(camera.maxRate) + ": expected 1 to 4096");
         if (camera.transform) requireFinite("transform",camera.transform,12);
         if (camera.maxRates) for (size_t i=0; i<numEdges; i++)
           if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: "

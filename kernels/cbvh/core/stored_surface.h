@@ -6,7 +6,7 @@
 /* Reads triangles, parts and clusters of compressed surfaces.
  *
  * All functions throw RTC_ERROR_INVALID_OPERATION for geometry that has no blocks, is not completely stored as cVERT or
- * cGRID (cLEAF and cVOXEL have no triangles), or has a damaged block in its file. Closures may have been called before.
+ * cGRID (cLEAF and cVOXEL have no triangles), or has a damaged block in its file. Closures may run before that.
  *
  * Thread safety: several threads may call them for a geometry and trace it, but other threads must not commit it.
  * Closures run on the calling thread, and may release or commit the geometry. Their arguments are valid until they
@@ -36,8 +36,8 @@ namespace embree
 
     /*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
      *  returns false. statistics: set to sums over the clusters, even after an error. Errors: also
-     *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more triangles than DGF
-     *  can number. */
+     *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more than 2^32
+     *  triangles, or 2^29 with DGF. */
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
                          const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterStatistics& statistics);

@@ -229,7 +229,7 @@ namespace embree
       for (size_t unit=offset/16; unit<end; unit++)
         if ((usedUnits[unit/64] >> (unit % 64)) & 1) return Reason::damaged("it overlaps another block");
       for (size_t unit=offset/16; unit<end; unit++) usedUnits[unit/64] |= uint64_t(1) << (unit % 64);
-      uint32_t expected = record.surface; // unless the file has surfaceNumber already
+      uint32_t expected = record.surface; // unless the block has surfaceNumber already
       surfaceOf(offset,format).compareExchange(expected,surfaceNumber,std::memory_order_acq_rel);
       mark(offset);
       return Reason();

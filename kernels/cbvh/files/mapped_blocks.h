@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. Static blocks are checked before their first use (base/block_validity.h), so
- * that unused ones are never read from disk, moving ones when the geometry is loaded. Decoding and tracing a valid
+/* Blocks of a geometry in a mapped file. Moving blocks are checked when the geometry is loaded, static blocks before
+ * their first use (base/block_validity.h), so that unused ones are never read from disk. Decoding and tracing a valid
  * block reads only the block and fileReadPadding bytes after it, and its hits report existing primitives. */
 
 #include "../base/atomic_ref.h"

@@ -5,7 +5,6 @@
 
 #include "../embree/scene.h"
 #include "../framed/block.h"
-#include "../../cvert/format/motion.h"
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../stored/block_bytes.h"
@@ -181,7 +180,7 @@ namespace embree
       {
         switch (int(type)) {
         case Geometry::GTY_SUBDIV_MESH: return "a subdivision surface";
-        case CompressibleGeometry::GTY_COMPRESSED: return "a compressed mesh";
+        case CompressibleGeometry::GTY_COMPRESSED: return "compressed geometry";
         case Geometry::GTY_TRIANGLE_MESH: return "a triangle mesh";
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: return "an instance";
         case Geometry::GTY_QUAD_MESH: return "a quad mesh";

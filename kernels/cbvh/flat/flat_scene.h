@@ -4,8 +4,8 @@
 #pragma once
 
 /* A committed scene as plain data without Embree's internal types, for back ends (kernels/vulkan). Nodes are copied.
- * Blocks, vertices and indices are referenced until the scene is committed again or released. Vertices and indices
- * become invalid earlier if the application sets or frees their buffers. */
+ * Blocks, vertices and indices are not: they are valid until the scene is committed again or released. Vertices and
+ * indices become invalid earlier if the application sets or frees their buffers. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"

@@ -7,7 +7,7 @@
  * larger.
  *
  * The top-level BVH uses the bounds of vertices. This loses no hit: a ray through the surface intersects the bounds of
- * the block whose quad it crosses, and that block alone reports the hit (leaf/hit_rule.h). With bounds of leaves, cLEAF
+ * the block whose quad it crosses, and that block suffices for a hit (leaf/hit_rule.h). With bounds of leaves, cLEAF
  * would have up to twice as many false hits at silhouettes, and cVOXEL a tenth more.
  *
  * The scene's bounds must contain everything that a ray can hit, because applications clip rays to them. */

@@ -55,7 +55,7 @@ namespace embree
           return tile;
         }
 
-        /*! True if the entry still contains tile `number` of this block; isDecoded(): and its grandchild `child`. */
+        /*! True if the entry still contains tile `number` of this block and, for isDecoded(), grandchild `child`. */
         __forceinline bool isCached (const Tile& tile, uint32_t number) const {
           return tile.block == block && tile.number == number;
         }
@@ -86,7 +86,7 @@ namespace embree
 
         __noinline void decodeChildren (Tile& tile, int level, uint32_t m)
         {
-          if (level == firstLevel()) prefetchWords();
+          if (level == firstLevel()) prefetchBlock();
           if (level >= 0) {
             const NodeBox box = boxOf(level,m); // may replace the tile in the same entry
             decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,tile.children,0);
@@ -99,7 +99,7 @@ namespace embree
 
         /*! Prefetches a block that was not visited recently: nothing hides the latency of its accesses, which depend on
          *  each other. Times 3: heights of cLEAF need at most twice as many bytes as header and nodes. */
-        __forceinline void prefetchWords () const
+        __forceinline void prefetchBlock () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);

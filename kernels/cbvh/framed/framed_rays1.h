@@ -4,7 +4,7 @@
 #pragma once
 
 /* Single rays in blocks with frames: selects the intersector by the block's kind. traversal/leaf_intersectors1.h
- * replaces it in libraries without the paper's representations. */
+ * has a substitute for libraries without the paper's representations. */
 
 #include "../base/block_validity.h"
 #include "block_intersector1.h"

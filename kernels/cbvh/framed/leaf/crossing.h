@@ -50,8 +50,8 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool hit;
-  /*! If hit: k of the entry into the lip's width, of the exit from it, or of the vertex of f. The first one in the lip,
-   *  or else the entry. */
+  /*! If hit: the first k that is in the lip, tested in this order: entry into the lip's width, exit from it, vertex of
+   *  f. The entry if none is. */
   Real k;
 };
 

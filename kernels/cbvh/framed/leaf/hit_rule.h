@@ -95,7 +95,7 @@ struct LeafEvent
 CVERT_CONSTANT uint32_t hitNone = 0u;
 CVERT_CONSTANT uint32_t hitBox  = 1u; //!< at the entry: the box is the surface
 CVERT_CONSTANT uint32_t hitStep = 2u; //!< at the entry, after a step
-CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign
+CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign; if it does not, at the end nearer to the patch
 CVERT_CONSTANT uint32_t hitLip  = 4u; //!< if the ray intersects a lip
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
