@@ -104,6 +104,9 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
     EXPECT_EQ(built(), 1) << "user data is passed to displacement functions";
     rtcCommitGeometry(geometries[0]);
     EXPECT_EQ(built(), 1) << "the displacement function may behave differently";
+    rtcEnableGeometry(geometries[0]);
+    rtcCommitGeometry(geometries[0]);
+    EXPECT_EQ(built(), 1) << "enabling an enabled geometry is no change";
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.maxError = 0.001f;

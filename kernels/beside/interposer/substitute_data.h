@@ -17,7 +17,7 @@ namespace interposer {
 
 struct SubstituteData
 {
-  CbvhGroup group;               // NULL until built
+  CbvhGroup group;               // NULL if not built: at first, during builds, after failures
   RTCGeometry original;          // the application's geometry
   void* userData;                // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;

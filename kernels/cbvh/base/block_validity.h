@@ -16,7 +16,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains the mapped blocks of all files, and possibly other memory between them.
+    /*! Range of addresses that contains the mapped blocks of all files, and possibly other memory.
      *  mappedBytes is 0 if no file is mapped. Readers must load mappedBegin before mappedBytes. Writers first extend
      *  mappedBytes to all addresses, then change mappedBegin. If a reader sees an old and a new value, its range
      *  therefore still contains all blocks that its rays can reach. */

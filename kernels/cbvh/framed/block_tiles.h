@@ -55,12 +55,12 @@ namespace embree
           return tile;
         }
 
-        /*! True if the entry still contains tile `number` of this block and, for isDecoded(), grandchild `child`. */
+        /*! True if the entry still contains tile `number` of this block and, for isDecoded(), the grandchild. */
         __forceinline bool isCached (const Tile& tile, uint32_t number) const {
           return tile.block == block && tile.number == number;
         }
-        __forceinline bool isDecoded (const Tile& tile, uint32_t number, uint32_t child) const {
-          return isCached(tile,number) && (tile.decoded >> (child >> 2)) & 1u;
+        __forceinline bool isDecoded (const Tile& tile, uint32_t number, uint32_t grandchild) const {
+          return isCached(tile,number) && (tile.decoded >> (grandchild >> 2)) & 1u;
         }
 
         /*! Decodes the grandchildren below the children in `mask` if necessary. */

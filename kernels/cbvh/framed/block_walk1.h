@@ -6,12 +6,12 @@
 /* Traverses a block's quadtree with a single ray, front to back, two levels (a tile, node_cache.h) at a time. A mask
  * stores the nodes of a tile that are not visited yet, so the stack has one entry per level of tiles.
  *
- * The Visitor intersects the leaves, front to back. It has these members:
+ * The Visitor intersects the leaves, front to back. It has these members, and a type LeafTile (node_cache.h):
  *
- *    Tile& leafTile (uint32_t m)
+ *    LeafTile& leafTile (uint32_t m)
  *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
- *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
- *      Intersects leaf 16 m + child, whose box the ray intersects. Returns true to end the walk.
+ *    bool leaf (const LeafTile& tile, uint32_t m, uint32_t grandchild, const BoxRanges<16>& ranges)
+ *      Intersects leaf 16 m + grandchild, whose box the ray intersects. Returns true to end the walk.
  *    bool passSubtree (bool above)
  *      Called if the ray passes over (`above`) or under an entire subtree. Returns true to end the walk.
  *    uint32_t passedMask
@@ -65,18 +65,19 @@ namespace embree
               l--;
               continue;
             }
-            const uint32_t rank = uint32_t(bsf(toVisit)), child = l->hits.grandchild(rank);
+            const uint32_t rank = uint32_t(bsf(toVisit)), grandchild = l->hits.grandchild(rank);
             if (unlikely(!l->hits.removeUpTo(rank))) {
-              if (visitor.passSubtree(isAbove(*l,level,child))) return true;
+              if (visitor.passSubtree(isAbove(*l,level,grandchild))) return true;
               continue;
             }
-            if (unlikely(l->hits.ranges.sNear[child] > visitor.sBest)) continue;
+            if (unlikely(l->hits.ranges.sNear[grandchild] > visitor.sBest)) continue;
             if (level == last) {
-              if (visitor.leaf((const LeafTile&)tileOf(*l,level,child),l->m,child,l->hits.ranges)) return true;
+              const LeafTile& tile = (const LeafTile&)tileOf(*l,level,grandchild);
+              if (visitor.leaf(tile,l->m,grandchild,l->hits.ranges)) return true;
               continue;
             }
             level += 2;
-            enterLevel(l[1],level,16*l->m + child);
+            enterLevel(l[1],level,16*l->m + grandchild);
             l++;
           }
         }
@@ -104,9 +105,9 @@ namespace embree
         }
 
         /*! Returns the tile with a decoded grandchild. Other tiles or a filter function's rays may have evicted it. */
-        __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
+        __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t grandchild)
         {
-          if (unlikely(!tiles.isDecoded(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
+          if (unlikely(!tiles.isDecoded(*l.tile,l.number,grandchild))) decodeAgain(l,level,1u << (grandchild >> 2));
           return *l.tile;
         }
 
@@ -133,10 +134,10 @@ namespace embree
 
         /*! True if the ray passes over, not under, the node that it misses: the grandchild's parent, or else the
          *  grandchild. */
-        __forceinline bool isAbove (Level& l, int level, uint32_t child)
+        __forceinline bool isAbove (Level& l, int level, uint32_t grandchild)
         {
-          return l.hits.passesParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)
-            : ray.isAbove(tileOf(l,level,child).grandchildren,child);
+          return l.hits.passesParent(grandchild) ? ray.isAbove(tileOf(l,level).children,grandchild >> 2)
+            : ray.isAbove(tileOf(l,level,grandchild).grandchildren,grandchild);
         }
       };
     }

@@ -10,12 +10,12 @@
  * require two children in the opposite order. The first child is then visited twice: after the second child for these
  * rays, before it for the others.
  *
- * The Visitor intersects the leaves. It has these members:
+ * The Visitor intersects the leaves. It has these members, and a type LeafTile (node_cache.h):
  *
- *    Tile& leafTile (uint32_t m)
+ *    LeafTile& leafTile (uint32_t m)
  *      As in BlockWalk1.
- *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
- *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
+ *    void leaf (const LeafTile& tile, uint32_t m, uint32_t grandchild, const BoxRangesK<K>& box, const vbool<K>& lanes)
+ *      Intersects leaf 16 m + grandchild, whose box the rays in `lanes` intersect.
  *    void passBoxes (const vbool<K>& above, const vbool<K>& lanes)
  *      Called if the rays in `lanes` pass over (`above`) or under an entire subtree.
  *    vbool<K> needsPassedBoxes ()

@@ -37,7 +37,7 @@ namespace embree
 
     /*! Records a change of the surface that Embree may not count. */
     void change () { changed = true; }
-    bool isChanged () const { return changed; }
+    bool isChanged () const { return changed; } //!< change() was called since the last commit
     void changeUserData () { userDataChanged = true; }
 
     /*! True if blocks remain valid, because only the visibility changed since the last commit. A commit without a
@@ -67,11 +67,11 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! Type of compressed geometry, except for static cages. Embree does not use this value. */
+    /*! Type of compressed geometry, except for static cages not from a file. Embree does not use this value. */
     static const GType GTY_COMPRESSED = GType(24);
 
-    void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
-    void disable () override { surface.changeVisibility(isEnabled()); Geometry::disable(); }
+    void enable () override { if (isDisabled()) surface.changeVisibility(1); Geometry::enable(); }
+    void disable () override { if (isEnabled()) surface.changeVisibility(1); Geometry::disable(); }
     void setIntersectionFilterFunctionN (RTCFilterFunctionN filter) override {
       surface.changeVisibility(0);
       Geometry::setIntersectionFilterFunctionN(filter);
@@ -82,8 +82,8 @@ namespace embree
     }
     void setUserData (void* ptr) override { surface.changeUserData(); Geometry::setUserData(ptr); }
 
-    /*! True if blocks are traced instead of Embree's representation. False for static cages, about which each scene
-     *  decides (cbvh::hasCompressedGeometry). */
+    /*! True if blocks are traced instead of Embree's representation. False for static cages not from a file, about
+     *  which each scene decides (cbvh::hasCompressedGeometry). */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
     /*! False returns the geometry to Embree's kernels. */

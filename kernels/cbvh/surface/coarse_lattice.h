@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A warning for a max_error so large that quads flip, which shows as speckles. */
+/* A warning for error bounds so large that quads flip, which shows as speckles, or irregular meshes lose detail. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -26,8 +26,8 @@ namespace embree
       const bool isFirst = !wasReported.exchange(true);
       if (!isFirst && !device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
-      std::cerr << "compression: max_error selects a spacing of " << spacing << ", " << spacing/edge
-                << " times the median edge: pictures may have speckles; expected at most " << edge/36
+      std::cerr << "compression: max_error or maxPixelError selects a spacing of " << spacing << ", " << spacing/edge
+                << " times the median edge: pictures may have speckles or lose detail; expected at most " << edge/36
                 << ", 1/36 of the edge" << std::endl;
     }
   }

@@ -240,8 +240,8 @@ namespace embree
       int chooseExponent (double& medianEdge) const
       {
         LatticeChoice choice(cbvh::spacingPerMeshEdge);
-        const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
-        for (size_t i=0; i<numPrimitives(); i+=step)
+        const size_t stride = max(numPrimitives()/sampledPrimitives,size_t(1));
+        for (size_t i=0; i<numPrimitives(); i+=stride)
         {
           const float* p[3];
           unsigned vertices[3];

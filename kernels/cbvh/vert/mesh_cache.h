@@ -53,9 +53,9 @@ namespace embree
     /* 7: the vertices occupy 6. Every further cache line would cost 46 or 90 KiB per thread, see VertBlockEntry. */
     static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
-    /*! Key of a half in the cache. half: group, plus 16 for the second half. Unique, because blocks have at least 32
+    /*! Key of a half in the cache. lane: group, plus 16 for the second half. Unique, because blocks have at least 32
      *  bytes. */
-    __forceinline size_t keyOfHalf (const void* block, uint32_t half) { return size_t(block) + half; }
+    __forceinline size_t keyOfHalf (const void* block, uint32_t lane) { return size_t(block) + lane; }
 
     class MeshEntries
     {
@@ -68,18 +68,18 @@ namespace embree
       /*! The 32 entries of a block's halves, in the order of keyOfHalf. If a key differs, the caller must decode the
        *  half into the entry and set the key. 64: neighboring blocks of 64 x 32 bytes or more share no entries. */
       __forceinline MeshTriangles* halves (const void* block) {
-        return &groups[groups.indexOf(localityHashOfBlock(block,64))];
+        return &triangles[triangles.indexOf(localityHashOfBlock(block,64))];
       }
 
       void clear ()
       {
         for (size_t i=0; i<blocks.size(); i++) blocks[i].block = nullptr;
-        for (size_t i=0; i<groups.size(); i++) groups[i].key = 0;
+        for (size_t i=0; i<triangles.size(); i++) triangles[i].key = 0;
       }
 
     private:
       CacheEntries<MeshBlockEntry,192> blocks;
-      CacheEntries<MeshTriangles,704,31> groups;
+      CacheEntries<MeshTriangles,704,31> triangles;
     };
 
     /* --- moving blocks --- */
@@ -108,7 +108,7 @@ namespace embree
     /*! Entry of half a group in a segment. */
     struct SegmentTriangles
     {
-      SegmentKey key;            //!< of the half; the lane is `half` of keyOfHalf
+      SegmentKey key;            //!< of the half; `lane` as in keyOfHalf
       MeshTriangles begin;       //!< triangles, and vertices at the beginning of the segment; `key` is unused
       MeshVertices end;          //!< vertices at the end of the segment
     };

@@ -10,7 +10,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The bits of three coordinates. Positions with equal coordinates have equal bits, because -0 becomes 0. */
+  /*! The bits of three coordinates. Positions with equal coordinates have equal bits, because -0 becomes 0, as
+   *  denormal numbers do if the CPU flushes them. */
   struct MeshPosition
   {
     uint32_t words[3];

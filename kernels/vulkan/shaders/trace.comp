@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Traces a buffer of rays, a ray per invocation: RTCRayHit for the closest hit, or RTCRay for any hit if CBVH_ANY_HIT
- * is defined. CBVH_RAY_QUERY selects ray queries. host/scene.cpp records it. */
+ * is defined. CBVH_RAY_QUERY selects ray queries. host/scene.cpp records dispatches of this shader. */
 
 #version 460
 
@@ -26,7 +26,7 @@ layout(push_constant, scalar) uniform Arguments
 {
   uvec2 scene;
   uvec2 rays;
-  uvec2 order;     // pairs (key, index of a ray), or 0
+  uvec2 order;     // address of pairs (key, index of a ray), or 0
   uint first, count; // index of the first ray or pair, number of rays
 } arguments;
 

@@ -30,9 +30,9 @@ namespace embree
         static const uint32_t kind = kindGrid;
         using BlockVisitor1<RayType>::BlockVisitor1;
 
-        __forceinline bool leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxRanges<16>&)
+        __forceinline bool leaf (const NodeEntries::Tile&, uint32_t m, uint32_t grandchild, const BoxRanges<16>&)
         {
-          if (!testGridLeaf(this->block,16*m+child,IsAnyHit<RayType>::value,*this)) return false;
+          if (!testGridLeaf(this->block,16*m+grandchild,IsAnyHit<RayType>::value,*this)) return false;
           this->isHit = true;
           this->sBest = this->local.parameterAfter(this->state.rcpScale,this->ray.tfar);
           return IsAnyHit<RayType>::value;

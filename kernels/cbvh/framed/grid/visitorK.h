@@ -32,7 +32,7 @@ namespace embree
         static const uint32_t kind = kindGrid;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxRangesK<K>&,
+        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t grandchild, const BoxRangesK<K>&,
                                  const vbool<K>& lanes)
         {
           uint32_t accepted = 0;
@@ -40,7 +40,7 @@ namespace embree
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
           {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!intersectLeaf(k,16*m+child)) continue;
+            if (!intersectLeaf(k,16*m+grandchild)) continue;
             accepted |= 1u << k;
             s[k] = this->nodeRays.parameterAfter(k,this->state.rcpScale[k],this->rays.tfar[k]);
           }

@@ -28,7 +28,7 @@ CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
 CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
-  /* Solves saddle k^2 - b k - f0 = 0. The sum in q cannot cancel, and exactly one root is between 0 and 1. */
+  /* Solves saddle k^2 - b k - f0 = 0. The sum in q cannot cancel. A root is in [0,1]; both may be if f0 or f1 is 0. */
   Real b = f.f1-f.f0+f.saddle;
   Real d = squareRoot(maximum(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));

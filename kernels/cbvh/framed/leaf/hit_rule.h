@@ -41,8 +41,8 @@
  * that it leaves on the remembered side: the surface must not shadow its own points. A segment that starts in a leaf,
  * at tnear, does not hit its steps, lips or solid box. A segment that ends in a leaf, at tfar, does not hit its lips.
  *
- * In the paper, rays hit the near side of intervals. This also closes the steps, but thickens the surface: rays along a
- * crest hit what they should pass, hits are early by half a bin, and rays that start on the surface hit it again.
+ * In the paper, rays hit the nearer bound of a leaf. This also closes the steps, but thickens the surface: rays along a
+ * crest hit what they should pass, hits are early by half of that, and rays that start on the surface hit it again.
  *
  * If a surface folds over, leaves overlap and are not visited in their order along the ray. A walk for the closest hit
  * therefore continues after a hit, and accepts nearer changes of sign and solid boxes.
@@ -96,13 +96,13 @@ CVERT_CONSTANT uint32_t hitNone = 0u;
 CVERT_CONSTANT uint32_t hitBox  = 1u; //!< at the entry: the box is the surface
 CVERT_CONSTANT uint32_t hitStep = 2u; //!< at the entry, after a step
 CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign; if it does not, at the end nearer to the patch
-CVERT_CONSTANT uint32_t hitLip  = 4u; //!< if the ray intersects a lip
+CVERT_CONSTANT uint32_t hitLip  = 4u; //!< in a lip, if the caller finds that the ray intersects one; otherwise no hit
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
 /*! Result of the rule for a leaf or a passed box. */
 struct HitResult
 {
-  uint32_t hit;     //!< hitNone, or where the ray hits
+  uint32_t hit;     //!< hitNone, or where the ray hits; hitLip may be a miss
   uint32_t from;    //!< remembered side, if a hit follows from it; sideUnknown for other hits
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };

@@ -35,21 +35,21 @@ namespace embree
           return result.hit != hitNone && reportExit(result.from);
         }
 
-        __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t grandchild, const BoxRanges<16>& ranges)
         {
           const Crossing<float> x =
-            crossDecodedLeaf(this->nodeRay,tile,child,ranges,this->startsInside(ranges,child),
-              this->endsInside(ranges,child));
+            crossDecodedLeaf(this->nodeRay,tile,grandchild,ranges,this->startsInside(ranges,grandchild),
+              this->endsInside(ranges,grandchild));
           const HitResult result = crossLeaf(state,x.event);
           float s;
-          if (hitsLeaf(result.hit,x,tile.surfaces.halfThickness[child],16*m+child,s)
+          if (hitsLeaf(result.hit,x,tile.surfaces.halfThickness[grandchild],16*m+grandchild,s)
               && !(state.found && !(s < this->sBest))) {
-            if (endsWalk(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,result.from)))) return true;
+            if (endsWalk(this->reportHit(16*m+grandchild,leafHit(tile.surfaces,grandchild,s,result.from)))) return true;
             if (state.found) return false;
           }
           setState(result.next);
           exitM = m;
-          exitChild = child;
+          exitChild = grandchild;
           exitS = x.s1;
           return false;
         }
@@ -103,14 +103,14 @@ namespace embree
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
         /*! from: see HitResult. */
-        __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
+        __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t grandchild, float s, uint32_t from) const
         {
-          const vfloat4 uv = positionInLeaf(this->nodeRay,surfaces,child,vfloat4(s));
-          const float* h = surfaces.height[child];
+          const vfloat4 uv = positionInLeaf(this->nodeRay,surfaces,grandchild,vfloat4(s));
+          const float* h = surfaces.height[grandchild];
           const float u = uv[0], v = uv[1];
-          const bool flat = (surfaces.solid >> child) & 1u;
-          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2],
-            slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
+          const bool flat = (surfaces.solid >> grandchild) & 1u;
+          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[grandchild][2],
+            slopeY = fused(u,h[3],h[2])*surfaces.footprint[grandchild][3];
           return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };

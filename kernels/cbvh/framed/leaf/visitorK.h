@@ -124,10 +124,11 @@ namespace embree
           if (unlikely(any(step))) reportExits(step,before);
         }
 
-        void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
+        void leaf (const LeafTile& tile, uint32_t m, uint32_t grandchild, const BoxRangesK<K>& box,
+                   const vbool<K>& lanes)
         {
           const LeafSurfaces& surfaces = tile.surfaces;
-          const Crossings<K> x(this->nodeRays,surfaces,child,box,this->startsInside(box),this->endsInside(box));
+          const Crossings<K> x(this->nodeRays,surfaces,grandchild,box,this->startsInside(box),this->endsInside(box));
           WalkStates<K> next = state;
           const vbool<K> unhit = andn(lanes,state.found);
           vbool<K> hit;                  // rays that hit: at the entry, unless `root` or `lip` is set
@@ -136,8 +137,8 @@ namespace embree
           hits.fromAbove = hits.fromBelow = vbool<K>(false);
 
           /* As crossLeaf(). */
-          if (unlikely(((surfaces.solid | surfaces.empty) >> child) & 1u)) {
-            hit = (surfaces.solid >> child) & 1u ? andn(lanes,x.started) : vbool<K>(false);
+          if (unlikely(((surfaces.solid | surfaces.empty) >> grandchild) & 1u)) {
+            hit = (surfaces.solid >> grandchild) & 1u ? andn(lanes,x.started) : vbool<K>(false);
             next.known = next.pending = vbool<K>(false);
           }
           else {
@@ -152,7 +153,8 @@ namespace embree
             hits.fromAbove = step & state.above;
             hits.fromBelow = andn(step,state.above);
             root = andn(lanes & crosses,step | (unhit & isPastStep));
-            if (isAtBorder(16*m+child)) lip = andn(andn(andn(andn(unhit & x.near,crosses),step),x.started),x.ended);
+            if (isAtBorder(16*m+grandchild))
+              lip = andn(andn(andn(andn(unhit & x.near,crosses),step),x.started),x.ended);
             hit = step | root | lip;
           }
           if (any(hit)) {
@@ -163,15 +165,15 @@ namespace embree
               hits.s[k] = between(at,parabolaRoot(at.f));
             }
             if (unlikely(any(lip)))
-              hit = andn(hit,raysMissingLips(lip,x,surfaces.halfThickness[child],16*m+child,hits.s));
+              hit = andn(hit,raysMissingLips(lip,x,surfaces.halfThickness[grandchild],16*m+grandchild,hits.s));
             hit = andn(hit,andn(state.found,hits.s < this->sBest));
           }
           state.assign(unhit,next);
-          exitLeaf = select(unhit,vint<K>(int(16*m+child)),exitLeaf);
+          exitLeaf = select(unhit,vint<K>(int(16*m+grandchild)),exitLeaf);
           exitS = select(unhit,x.s1,exitS);
           if (any(hit)) {
-            setSurface(hits,surfaces,child);
-            markFound(this->reportHits(hit,16*m+child,hits));
+            setSurface(hits,surfaces,grandchild);
+            markFound(this->reportHits(hit,16*m+grandchild,hits));
           }
         }
 
@@ -184,14 +186,14 @@ namespace embree
         }
 
         /*! As leafHit in visitor1.h. */
-        __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
+        __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t grandchild) const
         {
-          const float* h = surfaces.height[child];
-          const float* footprint = surfaces.footprint[child];
+          const float* h = surfaces.height[grandchild];
+          const float* footprint = surfaces.footprint[grandchild];
           hits.u = Crossings<K>::position(this->nodeRays,0,footprint,hits.s);
           hits.v = Crossings<K>::position(this->nodeRays,1,footprint,hits.s);
           hits.slopeX = hits.slopeY = vfloat<K>(zero);
-          if (unlikely((surfaces.solid >> child) & 1u)) return;
+          if (unlikely((surfaces.solid >> grandchild) & 1u)) return;
           hits.slopeX = madd(hits.v,vfloat<K>(h[3]),vfloat<K>(h[1]))*vfloat<K>(footprint[2]);
           hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }

@@ -21,14 +21,15 @@ namespace embree
         static const uint32_t kind = kindVoxel;
         using BlockVisitor1<RayType>::BlockVisitor1;
 
-        __forceinline bool leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        __forceinline bool leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t grandchild,
+                                 const BoxRanges<16>& ranges)
         {
-          if (this->startsInside(ranges,child)) return false;
-          const float s = max(ranges.sNear[child],0.0f);
+          if (this->startsInside(ranges,grandchild)) return false;
+          const float s = max(ranges.sNear[grandchild],0.0f);
           // of this block's hits at the same distance, the first is accepted; reportHit() compares other blocks' hits
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
-          const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
-          return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
+          const float u = position(tile.grandchildren,0,grandchild,s), v = position(tile.grandchildren,1,grandchild,s);
+          return this->reportHit(16*m+grandchild,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
         }
 
       private:

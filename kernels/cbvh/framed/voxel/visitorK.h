@@ -19,8 +19,8 @@ namespace embree
         static const uint32_t kind = kindVoxel;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box,
-                                 const vbool<K>& lanes)
+        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t grandchild,
+                                 const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
@@ -28,11 +28,11 @@ namespace embree
           const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
           const vbool<K> hit = andn(lanes & nearer,this->startsInside(box));
           if (none(hit)) return;
-          hits.u = position(tile.grandchildren,0,child,hits.s);
-          hits.v = position(tile.grandchildren,1,child,hits.s);
+          hits.u = position(tile.grandchildren,0,grandchild,hits.s);
+          hits.v = position(tile.grandchildren,1,grandchild,hits.s);
           hits.slopeX = hits.slopeY = vfloat<K>(zero);
           hits.fromAbove = hits.fromBelow = vbool<K>(false);
-          this->reportHits(hit,16*m+child,hits);
+          this->reportHits(hit,16*m+grandchild,hits);
         }
 
       private:
