@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Their vertices
- * are on one lattice, or on finer ones if it would flip triangles. These exceptions are found per time step, before any
- * block is encoded, so that blocks agree on shared vertices. */
+/* The triangles of a mesh that are in no grid. building/irregular_blocks.h stores them in mesh blocks. Vertices on no
+ * grid's border are on one lattice, or on finer ones if it would flip triangles. These exceptions are found per time
+ * step, before any block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"

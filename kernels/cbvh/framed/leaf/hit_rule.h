@@ -42,7 +42,7 @@
  * at tnear, does not hit its steps, lips or solid box. A segment that ends in a leaf, at tfar, does not hit its lips.
  *
  * In the paper, rays hit the nearer bound of a leaf. This also closes the steps, but thickens the surface: rays along a
- * crest hit what they should pass, hits are early by half of that, and rays that start on the surface hit it again.
+ * crest hit what they should pass, hits are early by half a thickness, and rays that start on the surface hit it again.
  *
  * If a surface folds over, leaves overlap and are not visited in their order along the ray. A walk for the closest hit
  * therefore continues after a hit, and accepts nearer changes of sign and solid boxes.
