@@ -58,7 +58,7 @@ TEST(UncompressedSurfaces, RatesAbove256MatchStock)
 
 TEST(UncompressedSurfaces, MotionBlurMatchesStock)
 {
-  compareUncompressed(8, {}, false, {" 6 faces ", "motion", "fallback_faces", " 0"}, 2);
+  compareUncompressed(8, {}, false, {" 6 faces ", "motion", "fallback_faces=1"}, 2);
 }
 
 TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
