@@ -429,7 +429,7 @@ TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes)
   rtcCommitScene(scene);
   rtcGetSceneCompressionStatistics(scene, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("stats"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("statistics"), std::string::npos) << device.message;
   rtcGetSceneCompressionStatistics(scene, &stats);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE);
   addSurface(device, scene, cubeCage(), settings);
