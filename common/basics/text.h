@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdio>
 #include <string>
 
 namespace cbvh {
@@ -13,6 +14,14 @@ inline std::string lowerCase(std::string text)
   for (char& c : text)
     if (c >= 'A' && c <= 'Z')
       c = char(c + ('a' - 'A'));
+  return text;
+}
+
+/* Up to 6 significant digits, as %g prints. */
+inline std::string shortNumber(float value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", double(value));
   return text;
 }
 

@@ -4,13 +4,13 @@
 #pragma once
 
 #include "basics/error.h"
+#include "basics/text.h"
 #include "scenes/catalogue.h"
 
 #include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -31,13 +31,6 @@ inline Vec2f parseRepeat(const std::string& text)
   if (last.ec != std::errc() || last.ptr != end || !isPositive(repeat.x) || !isPositive(repeat.y))
     throw Error("invalid --height-repeat '" + text + "': expected one or two positive numbers, as in 3 or 3x2");
   return repeat;
-}
-
-inline std::string shortNumber(float value)
-{
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g", double(value));
-  return text;
 }
 
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)

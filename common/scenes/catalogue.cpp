@@ -6,6 +6,7 @@
 #include "basics/error.h"
 #include "basics/input_files.h"
 #include "basics/setting_name.h"
+#include "basics/text.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
 #include "scenes/herd.h"
@@ -22,7 +23,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 namespace cbvh {
@@ -178,10 +178,8 @@ void validateScale(const SceneSettings& s, const Cage& cage)
   const float unit = s.mapScale ? 1.0f : cage.bounds().diagonal();
   if (unit > largest || std::fabs(scale) * unit <= largest)
     return;
-  char text[80];
-  std::snprintf(text, sizeof(text), " %g is too large: expected at most %g for this cage", double(scale),
-                double(largest / unit));
-  throw Error(settingName(s.mapScale ? "height-scale" : "amplitude") + text);
+  throw Error(settingName(s.mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale)
+              + " is too large: expected at most " + shortNumber(largest / unit) + " for this cage");
 }
 
 } // namespace

@@ -18,22 +18,21 @@ namespace embree
     public:
       static const unsigned gridQuads = 8; //!< quads per side of a full grid, as in Embree's bvh_builder_subdiv.cpp
 
-      GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : mesh(mesh), store(store), statistics(statistics) {}
+      /*! countsInvalidQuads: whether statistics count quads with a vertex that is not finite. */
+      GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics,
+                     bool countsInvalidQuads)
+        : mesh(mesh), store(store), statistics(statistics), countsInvalidQuads(countsInvalidQuads) {}
 
-      /*! Returns the number of quads with a vertex that is not finite. */
-      size_t write (const SubdivPatch1Base& patch) const
+      void write (const SubdivPatch1Base& patch) const
       {
         const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
-        size_t numInvalid = 0;
         for (unsigned y=0; y<y1; y+=gridQuads)
           for (unsigned x=0; x<x1; x+=gridQuads)
-            numInvalid += write(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
-        return numInvalid;
+            write(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
       }
 
       /*! Writes one grid. x0, x1, y0, y1: its first and last column and row of vertices in the patch. */
-      size_t write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
+      void write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
       {
         BBox3fa bounds;
         const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0),
@@ -44,7 +43,7 @@ namespace embree
         statistics.sums.uncompressedBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numUncompressedQuads += size_t(x1-x0)*size_t(y1-y0);
         store.addPrimitive(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
-        return countInvalidQuads(*soa);
+        if (countsInvalidQuads) statistics.sums.numInvalidQuads += countInvalidQuads(*soa);
       }
 
       /*! Bytes of a patch's grids in GRID, with their share of the nodes above. quads: quads per side of the patch. */
@@ -96,6 +95,7 @@ namespace embree
       const SubdivMesh* mesh;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
+      const bool countsInvalidQuads;
     };
   }
 }

@@ -95,20 +95,18 @@ namespace embree
         Writer (const CageSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), plan(source.plan), store(store), statistics(statistics),
             framedWriter(plan,source.mesh,store,statistics),
-            vertWriter(plan,source.mesh->device,store,statistics), gridWriter(source.mesh,store,statistics) {}
+            vertWriter(plan,source.mesh->device,store,statistics),
+            gridWriter(source.mesh,store,statistics,plan.compresses()) {} // GRID alone reports no errors, as in Embree
 
         /*! Returns false if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
-          case CompressionPlan::GRID: {
+          case CompressionPlan::GRID:
             store.flush();
-            const size_t numInvalid = gridWriter.write(patch.embreePatch());
-            if (!plan.compresses()) break; // as in Embree, no error
-            statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
-            statistics.sums.numInvalidQuads += numInvalid;
+            gridWriter.write(patch.embreePatch());
+            if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
-          }
           case CompressionPlan::FRAMED:
             if (!framedWriter.write(patch,source.tilingOf(face,patch.rate)))
               vertWriter.write(patch,[&](unsigned) {

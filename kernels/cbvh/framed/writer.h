@@ -23,7 +23,7 @@ namespace embree
        *  false. The arguments must outlive the writer. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), sharesBorders(plan.sharesBorders()), store(store), statistics(statistics),
-          gridWriter(mesh,store,statistics), unsharedVertices(mesh->device,0), vertices(mesh->device,0),
+          gridWriter(mesh,store,statistics,false), unsharedVertices(mesh->device,0), vertices(mesh->device,0),
           scratch(mesh->device,0), encoded(mesh->device,0) {}
 
       /*! Returns the smallest frame level at which no leaf is thicker than the setting maxError, or the patch's level.
