@@ -201,7 +201,8 @@ struct CbvhCage
 
   size_t numCreases;
   const unsigned int* creases;          /* two vertices each */
-  const float* creaseSharpness;         /* one entry per crease, 0 to infinity, a sharp edge */
+  const float* creaseSharpness;         /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
+                                         * infinity, also for corners, as in OpenSubdiv and USD */
   size_t numCorners;
   const unsigned int* corners;          /* vertices */
   const float* cornerSharpness;         /* one entry per corner, 0 to infinity */

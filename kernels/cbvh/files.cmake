@@ -13,6 +13,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_dicing.cpp
   cbvh/api/rtcore_compressed_files.cpp
   cbvh/core/compression.cpp
+  cbvh/core/device.cpp
   cbvh/core/device_string.cpp
   cbvh/core/dicing.cpp
   cbvh/core/errors.cpp
