@@ -89,6 +89,9 @@ public:
         measure(BuiltScene(model, r, build), grid ? &*grid : nullptr);
     if (Result* result = find(RepresentationKind::Grid))
       finishGrid(*grid, *result);
+    if (options.speed && grid)
+      for (Result& result : comparison.results)
+        speed.relateToGrid(result.speed, isKind(result, RepresentationKind::Grid));
     describe();
     return std::move(comparison);
   }
@@ -171,11 +174,8 @@ private:
   {
     if (find(RepresentationKind::Naive))
       result.errors = compareHits(reference, gridHits, camera.footprint(), grid.layout());
-    if (!options.speed)
-      return;
-    if (comparison.results.size() == 1)
+    if (options.speed && comparison.results.size() == 1)
       result.speed = speed.measure(grid.representation().label(), grid, nullptr);
-    speed.setGridSpeed(result.speed);
   }
 
   Result* find(RepresentationKind kind)
