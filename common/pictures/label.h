@@ -11,7 +11,7 @@
 
 namespace cbvh {
 
-constexpr int labelHeight = 7, labelAdvance = 6; // of a character, in dots
+constexpr int labelHeight = 9, labelAdvance = 6; // of a character, in dots; two rows are below the baseline
 
 inline int labelWidth(const std::string& text)
 {
