@@ -29,6 +29,7 @@ public:
     std::vector<int> numbers;       // of the images: a TIFF also contains smaller copies and masks
     std::vector<int> firstChannels; // of the requested channels, per image of the file
     int channels = 0;               // of the first image
+    int tileSize = 0;               // smallest edge of tiles, or 0 without tiles
     bool constantBorder = false;    // of the first image
     bool isTextureReadable = true;  // the texture system can read the file itself, see map_image.h
     size_t missing = 0;             // texels without a value

@@ -240,6 +240,8 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
     input->setChannelRange({first, count, neutral});
     const Texels texels = readImage(*input, number, first, count, path);
     info.isTextureReadable &= input->isTextureReadable();
+    if (const int tile = input->tileSize(); tile > 0)
+      info.tileSize = info.tileSize > 0 ? std::min(info.tileSize, tile) : tile;
     if (info.images++ > 0)
       continue;
     info.channels = input->spec().nchannels;

@@ -90,6 +90,7 @@ struct HeightTexture::Implementation
   OIIO::TextureOpt options;
   int channels = 1;
   int channelsOfFile = 1;
+  int smallestTile = tileSize; // edge
 
   ~Implementation()
   {
@@ -110,6 +111,8 @@ struct HeightTexture::Implementation
       const OIIO::ImageSpec config = MapImage::configuration({0, read.count, read.neutral}, info.firstChannels);
       cache->add_file(OIIO::ustring(path), [] { return static_cast<OIIO::ImageInput*>(new MapImage); }, &config);
     }
+    else if (info.tileSize > 0)
+      smallestTile = std::min(smallestTile, info.tileSize);
     OIIO::TextureSystem::TextureHandle* handle = nullptr;
     states.use(&*system, [&](auto* state) { handle = system->get_texture_handle(OIIO::ustring(path), state); });
     if (!handle || !system->good(handle))
@@ -193,14 +196,15 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
 void HeightTexture::fillCache() const
 {
   float values[4];
+  const int tile = implementation->smallestTile;
   for (unsigned image = 0; image < images; image++)
   {
     const Vec2f texels = implementation->size(image);
     for (int w = int(texels.x), h = int(texels.y); w > 0 && h > 0; w /= 2, h /= 2)
-      for (int y = 0; y < h; y += tileSize)
+      for (int y = 0; y < h; y += tile)
       {
         throwIfCanceled();
-        for (int x = 0; x < w; x += tileSize)
+        for (int x = 0; x < w; x += tile)
           if (!implementation->lookUp(image, implementation->images[image].firstChannel, (float(x) + 0.5f) / float(w),
                                       (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
                                       implementation->channels, values))

@@ -198,6 +198,7 @@ bool MapImage::describe()
   window = displayWindow(from, format);
   nodata = nodataOf(from);
   sampleUnit = unitOf(from);
+  tile = std::min(from.tile_width, from.tile_height);
   if (size_t(image) < firstChannels.size())
     range.first = firstChannels[size_t(image)];
   const bool isOwnFormat = format == "pnm" && from.format != OIIO::TypeDesc::UINT8;

@@ -52,6 +52,9 @@ public:
   /* Name of the current part, or empty. */
   std::string partName() const { return std::string(m_spec.get_string_attribute("oiio:subimagename")); }
 
+  /* Smaller edge of the file's tiles, or 0 without tiles. */
+  int tileSize() const { return tile; }
+
   /* Value of a sample of the file that becomes 1. */
   float unit() const { return sampleUnit; }
 
@@ -92,6 +95,7 @@ private:
   OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;
   float sampleUnit = 1;
+  int tile = 0;
   bool textureReadable = false, copyOrMask = false, isInverted = false, isFloating = false;
 };
 

@@ -24,6 +24,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <unistd.h>
 
@@ -446,7 +447,7 @@ TEST_F(MapReaders, PartsOfExrAreFoundByTheirChannels)
 /* A tiled image of rampAt() whose size is a multiple of its tiles. */
 std::string writeLevels(const std::string& path, Imf::LevelMode mode)
 {
-  constexpr int size = 64, tile = 16;
+  constexpr int size = 128, tile = 16;
   Imf::Header header = headerOf({{"Y", 0.0f}}, size);
   header.compression() = Imf::NO_COMPRESSION;
   header.setTileDescription(Imf::TileDescription(tile, tile, mode));
@@ -481,7 +482,7 @@ TEST_F(MapReaders, MipMapsAndRipMapsOfExrAreRead)
         for (float s : {0.35f, 0.5f, 0.7f})
         {
           float sampled = NAN;
-          texture.sample(0, s, t, texels / 64, texels / 64, &sampled);
+          texture.sample(0, s, t, texels / 128, texels / 128, &sampled);
           EXPECT_NEAR(sampled, s + 2.0f * t, 1e-4f) << mode << " at " << s << "," << t << ", width " << texels;
         }
   }
@@ -492,6 +493,15 @@ TEST_F(MapReaders, LevelsThatCannotBeReadAreAnError)
   const std::string path = writeLevels(pathOf("levels.exr"), Imf::MIPMAP_LEVELS);
   fs::resize_file(path, fs::file_size(path) - 1000); // in the last levels
   EXPECT_TRUE(containsInOrder(errorOf(path), {path, "image 0"}));
+  /* In the header of a tile, its column and row, twice its level, and its bytes. */
+  writeLevels(path, Imf::MIPMAP_LEVELS);
+  std::ifstream stream(path, std::ios::binary);
+  std::string file(std::istreambuf_iterator<char>(stream), {});
+  const uint32_t header[5] = {2, 2, 1, 1, 16 * 16 * sizeof(float)};
+  const size_t at = file.find(std::string(reinterpret_cast<const char*>(header), sizeof header));
+  ASSERT_NE(at, std::string::npos);
+  file[at] = 99;
+  EXPECT_TRUE(containsInOrder(errorOf(save("levels.exr", file)), {path, "image 0"}));
 }
 
 TEST_F(MapReaders, HeightsAreWrittenIntoAChannelThatDwaKeeps)
