@@ -9,8 +9,8 @@
 
 namespace cbvh {
 
-/* True if a part of this OpenEXR file has rip map levels, of which OpenImageIO reads only the first correctly. False
- * for files that OpenEXR cannot read. */
+/* True if a part of this OpenEXR file has rip map levels: OpenImageIO reads only their first level correctly. False for
+ * files that OpenEXR cannot read. */
 bool hasRipMaps(const std::string& path);
 
 } // namespace cbvh

@@ -19,8 +19,8 @@ public:
   HeightMap() = default;
   HeightMap(int width, int height) : w(width), h(height), texels(size_t(width) * height) {}
 
-  /* Reads the first image's channel that inspect() finds for an empty name. Throws Error with the path if the file is unreadable or a texel is missing
-   * or not finite. */
+  /* Reads the first image's channel that inspect() finds for an empty name. Throws Error with the path if the file is
+   * unreadable or a texel is missing or not finite. */
   static HeightMap read(const std::string& path);
 
   struct FileInfo

@@ -48,7 +48,7 @@ uint64_t codestreamOf(std::ifstream& file)
   return at;
 }
 
-/* Marker segment SIZ of JPEG 2000 (ITU-T T.800, A.5.1). OpenImageIO offsets signed samples by the wrong amount, and
+/* Reads the image and tile sizes of JPEG 2000 (ITU-T T.800, A.5.1). OpenImageIO offsets signed samples by the wrong amount, and
  * applies the origin of the reference grid twice, which reads beyond the image. */
 std::string rejectionOfJpeg2000(const std::string& path)
 {

@@ -343,8 +343,8 @@ TEST_F(Displacing, MissingTilesAreNamedWithTheSpellingThatExists)
   const auto errorFor = [&](const std::string& name) { return errorOf(quadsOnTiles(), (folder / name).string()); };
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   EXPECT_TRUE(containsInOrder(errorFor("skin_<uvtile>.exr"),
-                              {in("skin_<uvtile>.exr"), "1002", in("skin_u1_v0.exr"), "<UDIM> is 1002", "<UVTILE> is u2_v1",
-                               "<uvtile> is u1_v0"}));
+                              {in("skin_<uvtile>.exr"), "1002", in("skin_u1_v0.exr"), "<UDIM> is 1002",
+                               "<UVTILE> is u2_v1", "<uvtile> is u1_v0"}));
   EXPECT_TRUE(containsInOrder(errorFor("skin_u<U>_v<V>.exr"), {"1002", in("skin_uu2_vv1.exr")}));
   const std::pair<const char*, std::vector<std::pair<const char*, const char*>>> existing[] = {
     {"skin_u2_v1.exr", {{"skin_<uvtile>.exr", "skin_<UVTILE>.exr"}, {"skin_<UDIM>.exr", "skin_<UVTILE>.exr"},

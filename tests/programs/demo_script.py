@@ -128,8 +128,9 @@ class Demo(unittest.TestCase):
         self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
 
     def test_remaining_time_never_grows(self):
-        # Finished files, all files, seconds; estimates of 1900, 300, 225, 500, 40 and 150 s.
-        statuses = ((10, 200, 100), (100, 200, 300), (120, 200, 337), (125, 200, 833), (199, 200, 7960), (150, 200, 8000))
+        # Finished files, all files, seconds; estimates of 1900, 300, 224, 499, 40 and 2666 s.
+        statuses = ((10, 200, 100), (100, 200, 300), (120, 200, 337), (125, 200, 833), (199, 200, 7960),
+                    (150, 200, 8000))
         (self.folder / "progress").write_text("".join("@%d %d %d.5@[1/2] Building\n" % s for s in statuses))
         output = self.run_demo("--short", "--build")
         lines = re.findall("^ *([0-9]+) of 200 files(.*)$", output, re.MULTILINE)
