@@ -26,8 +26,8 @@ class HeightTexture
 {
 public:
   /* Opens files and checks that all texels are readable and finite. Uses all images of a single file, or the first
-   * image of each of several files. Appends a line to `warnings` for each file with texels without a value. Throws Error with the
-   * path. */
+   * image of each of several files. Appends a line to `warnings` for each file with texels without a value. Throws
+   * Error with the path. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();

@@ -48,8 +48,8 @@ uint64_t codestreamOf(std::ifstream& file)
   return at;
 }
 
-/* Reads the image and tile sizes of JPEG 2000 (ITU-T T.800, A.5.1). OpenImageIO offsets signed samples by the wrong amount, and
- * applies the origin of the reference grid twice, which reads beyond the image. */
+/* Reads the image and tile sizes of JPEG 2000 (ITU-T T.800, A.5.1). OpenImageIO offsets signed samples by the wrong
+ * amount, and applies the origin of the reference grid twice, which reads beyond the image. */
 std::string rejectionOfJpeg2000(const std::string& path)
 {
   std::ifstream file(path, std::ios::binary);
