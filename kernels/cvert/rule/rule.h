@@ -221,8 +221,10 @@ CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return e
  *  which other triangles cover. */
 CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
-  float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
-  if (!(size < infinity)) return false; // a vertex is not finite
+  // each coordinate: a sum of finite ones may overflow
+  bool areFinite = magnitude(ax) < infinity && magnitude(ay) < infinity && magnitude(bx) < infinity
+    && magnitude(by) < infinity && magnitude(cx) < infinity && magnitude(cy) < infinity;
+  if (!areFinite) return false;
   int s0 = exactSide(bx,by,cx,cy), s1 = exactSide(cx,cy,ax,ay), s2 = exactSide(ax,ay,bx,by);
   bool isPositive = s0 > 0 || s1 > 0 || s2 > 0, isNegative = s0 < 0 || s1 < 0 || s2 < 0;
   return isPositive != isNegative;
