@@ -538,8 +538,8 @@ struct CbvhGroupStatistics
   size_t numInvalidQuads CBVH_ZERO;        /* quads that were left out because a vertex is not finite, or an index of
                                             * a mesh is past the vertices */
   float maxVertexDeviation CBVH_ZERO;      /* world units: largest distance by which a vertex was moved */
-  size_t firstInvalidSurface CBVH_ZERO;    /* index of the first surface with some of numInvalidQuads. CBVH_NONE if
-                                            * there is none, or if it was loaded */
+  size_t firstInvalidSurface CBVH_ZERO;    /* if numInvalidQuads is not 0: index of the first surface with such quads
+                                            * that was not loaded from a file, or CBVH_NONE */
   size_t firstInvalidPrimitive CBVH_ZERO;  /* its first face, grid, quad or triangle with such quads, or CBVH_NONE */
 };
 

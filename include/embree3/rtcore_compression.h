@@ -272,10 +272,10 @@ struct RTCCompressionStatistics
   size_t cacheBytesPerThread RTC_ZERO;       // largest size of the caches in which each tracing thread keeps decoded
                                              // blocks; threads allocate a cache when they first need it, and share it
                                              // among all scenes
-  unsigned int firstInvalidGeomID RTC_ZERO;  // the first geometry with some of numInvalidQuads, and its first such
-                                             // face, grid,
-  unsigned int firstInvalidPrimID RTC_ZERO;  // quad or triangle. Both RTC_INVALID_GEOMETRY_ID if there is none, or for
-                                             // a file
+  unsigned int firstInvalidGeomID RTC_ZERO;     // if numInvalidQuads is not 0: the first geometry with such quads that
+                                                // was not loaded from a file, or RTC_INVALID_GEOMETRY_ID
+  unsigned int firstInvalidPrimID RTC_ZERO;     // its first face, grid, quad or triangle with such quads, or
+                                                // RTC_INVALID_GEOMETRY_ID
 };
 
 /* Returns the statistics of the last commit of a scene, which the commit computed. All members are zero if the scene

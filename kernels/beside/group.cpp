@@ -104,8 +104,8 @@ void CbvhGroupTy::updateStatistics()
   statistics.numMovingQuads = all.numMovingQuads;
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;
-  statistics.firstInvalidSurface = sizeOf(all.firstInvalidGeometry);
-  statistics.firstInvalidPrimitive = sizeOf(all.firstInvalidPrimitive);
+  statistics.firstInvalidSurface = all.numInvalidQuads ? sizeOf(all.firstInvalidGeometry) : 0;
+  statistics.firstInvalidPrimitive = all.numInvalidQuads ? sizeOf(all.firstInvalidPrimitive) : 0;
   isCommitted = wasCommitted = true;
 }
 
