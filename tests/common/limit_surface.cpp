@@ -341,7 +341,8 @@ Cage fan(const std::vector<unsigned>& faceSizes)
 TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 {
   Random random(9);
-  for (const auto& [quads, other] : {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}})
+  for (const auto& [quads, other] :
+       {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}})
   {
     std::vector<unsigned> faceSizes(quads, 4);
     faceSizes.insert(faceSizes.begin() + quads / 2, other);
