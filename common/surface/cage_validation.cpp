@@ -21,9 +21,9 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 
-/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE in Embree's kernels/subdiv. */
+/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE in Embree's kernels/subdiv, as patched. */
 constexpr unsigned maxFaceVertices = 16;
-constexpr int maxVertexFaces = 64;
+constexpr int maxVertexFaces = 1024;
 
 /* Thread-local, because OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
@@ -70,6 +70,46 @@ void checkFaces(const Cage& cage)
       throw Error(cage.name + ": face " + std::to_string(face + 1) + " contains vertex " + std::to_string(*twice + 1) +
                   " twice; expected different vertices");
   }
+}
+
+using Edge = std::pair<unsigned, unsigned>;
+
+Edge ordered(Edge edge)
+{
+  return {std::min(edge.first, edge.second), std::max(edge.first, edge.second)};
+}
+
+/* Creases between vertices that share no edge, which Embree ignores. */
+void removeCreasesWithoutEdge(Cage& cage, std::string& warnings)
+{
+  if (cage.creaseEdges.empty())
+    return;
+  std::set<Edge> edges;
+  size_t first = 0;
+  for (unsigned size : cage.faceSizes)
+  {
+    for (unsigned i = 0; i < size; i++)
+      edges.insert(ordered({cage.faceIndices[first + i], cage.faceIndices[first + (i + 1) % size]}));
+    first += size;
+  }
+  std::vector<Edge> removed;
+  size_t kept = 0;
+  for (size_t i = 0; i < cage.creaseEdges.size(); i++)
+  {
+    if (edges.count(ordered(cage.creaseEdges[i])))
+    {
+      cage.creaseEdges[kept] = cage.creaseEdges[i];
+      cage.creaseSharpness[kept++] = cage.creaseSharpness[i];
+    }
+    else
+      removed.push_back(cage.creaseEdges[i]);
+  }
+  cage.creaseEdges.resize(kept);
+  cage.creaseSharpness.resize(kept);
+  if (!removed.empty())
+    warnings += cage.name + ": a crease joins the vertices " + std::to_string(removed[0].first + 1) + " and " +
+                std::to_string(removed[0].second + 1) + ", which share no edge, and is ignored" +
+                (removed.size() == 1 ? "" : ", like " + std::to_string(removed.size() - 1) + " others") + "\n";
 }
 
 std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
@@ -282,6 +322,7 @@ void validateCage(Cage& cage, std::string& warnings)
   checkFaces(cage);
   if (cage.bounds().diagonal() == 0.0f)
     warnings += cage.name + ": all vertices have the same position: there is nothing to see\n";
+  removeCreasesWithoutEdge(cage, warnings);
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);

@@ -216,6 +216,45 @@ TEST(LimitSurface, MatchesEmbreeOnSmoothCages)
   }
 }
 
+/* A sphere of triangles at the poles, and quads between three circles of latitude. */
+Cage globe(unsigned meridians)
+{
+  Cage cage;
+  cage.name = "globe";
+  for (unsigned circle = 1; circle <= 3; circle++)
+    for (unsigned i = 0; i < meridians; i++)
+    {
+      const double latitude = M_PI * circle / 4, longitude = 2 * M_PI * i / meridians;
+      cage.positions.push_back({float(std::sin(latitude) * std::cos(longitude)),
+                                float(std::sin(latitude) * std::sin(longitude)), float(std::cos(latitude))});
+    }
+  cage.positions.push_back({0, 0, 1});
+  cage.positions.push_back({0, 0, -1});
+  const unsigned north = 3 * meridians, south = north + 1;
+  for (unsigned i = 0; i < meridians; i++)
+  {
+    const unsigned next = (i + 1) % meridians, last = 2 * meridians;
+    cage.faceSizes.insert(cage.faceSizes.end(), {3, 4, 4, 3});
+    cage.faceIndices.insert(cage.faceIndices.end(), {north, i, next});
+    for (unsigned from : {0u, meridians})
+      cage.faceIndices.insert(cage.faceIndices.end(),
+                              {from + i, from + meridians + i, from + meridians + next, from + next});
+    cage.faceIndices.insert(cage.faceIndices.end(), {south, last + next, last + i});
+  }
+  return cage;
+}
+
+/* Stock Embree leaves out the faces at vertices of more than 64. */
+TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces)
+{
+  Random random(10);
+  for (unsigned n : {64u, 65u, 72u, 128u, 360u})
+  {
+    expectEmbrees(moved(trapezohedron(n), random, 0.01), 0, random);
+    expectEmbrees(moved(globe(n), random, 0.01), 0, random);
+  }
+}
+
 TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
 {
   Random random(5);
@@ -397,11 +436,12 @@ Cage fan(const std::vector<unsigned>& faceSizes)
 }
 
 /* Quads, and in their middle one face with this number of vertices. A ring has n - 2 vertices per face of n vertices,
- * and two between the borders: at most 129. */
+ * and two between the borders. Stock Embree supports at most 128. */
 TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 {
   Random random(9);
-  for (const auto& [quads, other] : {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}})
+  for (const auto& [quads, other] :
+       {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}})
   {
     std::vector<unsigned> faceSizes(quads, 4);
     faceSizes.insert(faceSizes.begin() + quads / 2, other);

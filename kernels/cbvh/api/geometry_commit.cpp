@@ -153,7 +153,8 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need at most about 20 KiB for them. */
+    /*! Meshes with fewer primitives stay uncompressed unless storesSmallMeshes is set: Embree's own structures need at
+     *  most about 20 KiB for them. */
     const size_t minPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
@@ -162,6 +163,22 @@ namespace embree
       if (!geometry->device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: " << what << std::endl;
+    }
+
+    void printWarnings (const std::vector<std::string>& warnings)
+    {
+      if (warnings.empty()) return;
+      Lock<MutexSys> lock(g_printMutex);
+      for (const std::string& warning : warnings) std::cerr << "compression: " << warning << std::endl;
+    }
+
+    /*! True if a buffer changed since the last commit that describeIgnoredInput() reads. */
+    bool isTopologyModified (const SubdivMesh* mesh)
+    {
+      return mesh->faceVertices.isLocalModified() || mesh->topology[0].vertexIndices.isLocalModified()
+        || mesh->edge_creases.isLocalModified() || mesh->edge_crease_weights.isLocalModified()
+        || mesh->vertex_creases.isLocalModified() || mesh->vertex_crease_weights.isLocalModified()
+        || mesh->levels.isLocalModified();
     }
 
     /*! Marks a geometry as compressed if isRequested and rejectionReason is null. Stores and prints why a request is
@@ -199,7 +216,10 @@ namespace embree
     const bool hasInput = mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices;
     if (!discardOutdatedBlocks(mesh,hasInput,"vertices, faces and indices")) return false;
     const bool isRequested = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
-    if (isRequested) checkIndices(mesh);
+    if (isRequested) {
+      checkIndices(mesh);
+      if (isTopologyModified(mesh)) printWarnings(describeIgnoredInput(mesh));
+    }
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     setDecision(mesh,isRequested && moves,
@@ -242,7 +262,7 @@ namespace embree
     if (isRequested && hasInput) checkTimeSteps(mesh);
     const char* rejectionReason = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
-      : mesh->size() < minPrimitives ? "are too few to matter" : nullptr;
+      : mesh->size() < minPrimitives && !mesh->compression.storesSmallMeshes ? "are too few to matter" : nullptr;
     if (isRequested && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = tryDivideMesh(mesh);
