@@ -320,8 +320,8 @@ TEST_F(MapReaders, TexelsOfTiffAreReadInTheirPlaces)
 std::string hdrOf(bool isFromTop, bool isFromLeft)
 {
   std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
-  file += (isFromTop ? "-Y " : "+Y ") + std::to_string(height) + (isFromLeft ? " +X " : " -X ") + std::to_string(width) +
-          "\n";
+  file += (isFromTop ? "-Y " : "+Y ") + std::to_string(height);
+  file += (isFromLeft ? " +X " : " -X ") + std::to_string(width) + "\n";
   for (int i = 0; i < width * height; i++)
   {
     int exponent;
