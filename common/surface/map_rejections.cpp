@@ -68,6 +68,24 @@ std::string rejectionOfJpeg2000(const std::string& path)
   return "";
 }
 
+/* True if a channel of this Softimage PIC file is stored without run lengths. */
+bool isUncompressedSoftimage(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  constexpr uint64_t firstPacket = 104;
+  bool isChained = true;
+  for (uint64_t at = firstPacket; isChained; at += 4)
+  {
+    const std::string packet = readAt(file, at, 4); // whether another one follows, bits, encoding, channels
+    if (packet.size() < 4)
+      return false;
+    if (packet[2] == 0)
+      return true;
+    isChained = packet[0] != 0;
+  }
+  return false;
+}
+
 } // namespace
 
 bool isUnsigned(OIIO::TypeDesc type)
@@ -99,6 +117,13 @@ std::string rejectionOf(OIIO::ImageInput& source, const std::string& path, bool 
   if (format == "webp" && spec.alpha_channel >= 0)
     return "it is a WebP image with alpha, by which OpenImageIO multiplies the other channels: expected an image "
            "without alpha, or PNG";
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  if ((format == "hdr" || format == "dpx" || format == "cineon") && orientation != 1)
+    return "its rows or columns are in reverse order (orientation " + std::to_string(orientation) +
+           "), which OpenImageIO ignores: expected rows from the top to the bottom, and columns from left to right";
+  if (format == "softimage" && OIIO::openimageio_version() < 30000 && isUncompressedSoftimage(path))
+    return "it is an uncompressed Softimage picture, which this version of OpenImageIO reads as zeros: expected run "
+           "lengths, or another format, such as TIFF";
   if (format == "jpeg2000")
     return rejectionOfJpeg2000(path);
   return "";

@@ -6,6 +6,7 @@
 
 #include "basics/error.h"
 #include "support/message_parts.h"
+#include "support/tiff_file.h"
 #include "surface/height_map.h"
 #include "surface/height_texture.h"
 
@@ -25,7 +26,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <type_traits>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -263,6 +266,110 @@ TEST_F(MapReaders, GrayOfPngIsReadIndependentlyOfAlpha)
   for (int bits : {8, 16})
     for (bool hasAlpha : {false, true})
       expectRamp(save("gray.png", pngOf(bits, hasAlpha)), 0.5f / float((1 << bits) - 1) + 1e-6f);
+}
+
+template<typename T>
+void appendSample(std::string& samples, double value)
+{
+  const T sample = T(std::is_floating_point_v<T> ? value : std::round(value * double(std::numeric_limits<T>::max())));
+  samples.append(reinterpret_cast<const char*>(&sample), sizeof sample);
+}
+
+TEST_F(MapReaders, TexelsOfTiffAreReadInTheirPlaces)
+{
+  const struct
+  {
+    const char* name;
+    unsigned bits, format;
+    void (*append)(std::string& samples, double value);
+    float tolerance;
+  } types[] = {{"uint8", 8, 1, appendSample<uint8_t>, 2e-3f},   {"int8", 8, 2, appendSample<int8_t>, 4e-3f},
+               {"uint16", 16, 1, appendSample<uint16_t>, 1e-5f}, {"int16", 16, 2, appendSample<int16_t>, 2e-5f},
+               {"uint32", 32, 1, appendSample<uint32_t>, 1e-6f}, {"int32", 32, 2, appendSample<int32_t>, 1e-6f},
+               {"float", 32, 3, appendSample<float>, 1e-6f},     {"double", 64, 3, appendSample<double>, 1e-6f}};
+  for (const auto& type : types)
+    for (unsigned samples : {1u, 2u, 3u, 4u})
+      for (unsigned tile : {0u, 16u})
+        for (bool isPlanar : {false, true})
+        {
+          if ((tile && type.bits == 64) || (isPlanar && samples < 3))
+            continue;
+          SCOPED_TRACE(std::string(type.name) + " x" + std::to_string(samples) + (tile ? " tiled" : "") +
+                       (isPlanar ? " planar" : ""));
+          TiffLayout t;
+          t.width = width;
+          t.height = height;
+          t.bits = type.bits;
+          t.format = type.format;
+          t.photometric = samples < 3 ? 1 : 2;
+          t.samples = samples;
+          t.extra = samples % 2 ? -1 : 2;
+          t.isPlanar = isPlanar;
+          t.tile = tile;
+          std::string bytes;
+          for (int i = 0; i < width * height; i++)
+            for (unsigned channel = 0; channel < samples; channel++)
+              type.append(bytes, channel == 0 ? rampAt(i % width, i / width) : 0.01 * (i % width));
+          const std::string path = pathOf("map.tif");
+          writeTiff(path, t, bytes);
+          expectRamp(path, type.tolerance);
+        }
+}
+
+/* Radiance HDR of rampAt(), in this order of rows and columns. */
+std::string hdrOf(bool isFromTop, bool isFromLeft)
+{
+  std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+  file += (isFromTop ? "-Y " : "+Y ") + std::to_string(height);
+  file += (isFromLeft ? " +X " : " -X ") + std::to_string(width) + "\n";
+  for (int i = 0; i < width * height; i++)
+  {
+    int exponent;
+    const float height01 = rampAt(isFromLeft ? i % width : width - 1 - i % width,
+                                  isFromTop ? i / width : height - 1 - i / width);
+    const auto mantissa = char(int(256 * std::frexp(height01, &exponent)));
+    file += std::string(3, mantissa) + char(128 + exponent);
+  }
+  return file;
+}
+
+TEST_F(MapReaders, HdrOfOtherOrdersIsRejectedByName)
+{
+  expectRamp(save("map.hdr", hdrOf(true, true)), 4e-3f);
+  for (bool isFromTop : {false, true})
+    for (bool isFromLeft : {false, true})
+      if (!isFromTop || !isFromLeft)
+      {
+        const std::string path = save("map.hdr", hdrOf(isFromTop, isFromLeft));
+        EXPECT_TRUE(containsInOrder(errorOf(path), {path, "order", "top"}));
+      }
+}
+
+/* Softimage PIC of rampAt(), with rows as literals if isPacked. */
+std::string softimageOf(bool isPacked)
+{
+  using namespace std::string_literals;
+  std::string file = "\x53\x80\xF6\x34\x40\x6c\xcc\xcd"s + std::string(80, '\0') + "PICT"s;
+  file += "\0"s + char(width) + "\0"s + char(height) + "\x3f\x80\0\0\0\3\0\0"s; // aspect ratio, both fields
+  file += "\0\x8"s + char(isPacked ? 2 : 0) + "\xE0"s;
+  for (int y = 0; y < height; y++)
+  {
+    if (isPacked)
+      file += char(width - 1);
+    for (int x = 0; x < width; x++)
+      file += std::string(3, char(std::lround(255 * rampAt(x, y))));
+  }
+  return file;
+}
+
+TEST_F(MapReaders, SoftimageIsReadOrRejectedByName)
+{
+  expectRamp(save("map.pic", softimageOf(true)), 2e-3f);
+  const std::string path = save("map.pic", softimageOf(false));
+  if (OIIO::openimageio_version() >= 30000)
+    expectRamp(path, 2e-3f);
+  else
+    EXPECT_TRUE(containsInOrder(errorOf(path), {path, "Softimage", "TIFF"}));
 }
 
 TEST_F(MapReaders, FitsIsRejectedByName)
