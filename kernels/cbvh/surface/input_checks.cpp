@@ -91,7 +91,8 @@ namespace embree
       const SubdivMesh::Edge pair = mesh->edge_creases[first];
       warnings.push_back("crease " + std::to_string(first) + " joins the vertices " + std::to_string(pair.v0) + " and "
           + std::to_string(pair.v1) + ", which share no edge"
-          + (count == 1 ? ": it is ignored" : ", like " + std::to_string(count-1) + " others: they are ignored"));
+          + (count == 1 ? ": it is ignored" : ", like " + std::to_string(count-1) + (count == 2 ? " other" : " others")
+             + ": they are ignored"));
     }
   }
 
