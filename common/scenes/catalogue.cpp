@@ -170,19 +170,18 @@ void validateMap(const SceneSettings& s)
     throw Error(settingName("height-repeat") + " cannot repeat the tiles of " + s.heightPath + ": expected 1");
 }
 
-/* Throws Error if displaced vertices could exceed the coordinates that Embree accepts. */
-void validateScale(const SceneSettings& s, const Cage& cage)
+} // namespace
+
+void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale, const Cage& cage)
 {
   const float largest = 1e17f; // Embree's limit is 1.8e18; heights and --rough can exceed the scale several times
-  const float scale = s.mapScale ? *s.mapScale : s.amplitude.value_or(0.0f);
-  const float unit = s.mapScale ? 1.0f : cage.bounds().diagonal();
+  const float scale = mapScale ? *mapScale : amplitude.value_or(0.0f);
+  const float unit = mapScale ? 1.0f : cage.bounds().diagonal();
   if (unit > largest || std::fabs(scale) * unit <= largest)
     return;
-  throw Error(settingName(s.mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale)
+  throw Error(settingName(mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale)
               + " is too large: expected at most " + shortNumber(largest / unit) + " for this cage");
 }
-
-} // namespace
 
 const std::vector<std::string>& sceneNames()
 {
@@ -278,7 +277,7 @@ Model loadScene(const SceneSettings& given, std::string& warnings)
     model = findScene(settings.scene)->make(settings);
     validateCage(model.cage, warnings);
   }
-  validateScale(settings, model.cage);
+  validateScale(settings.amplitude, settings.mapScale, model.cage);
   if (!settings.motion.empty())
     addMotion(model, motionOf(settings));
   return model;

@@ -49,6 +49,10 @@ constexpr float defaultAmplitude = 0.006f;
 /* Sets the default amplitude or scale of the map if neither is set and the model is displaced. */
 SceneSettings withDefaultAmplitude(SceneSettings settings);
 
+/* Throws Error if vertices that a displacement moves could exceed the coordinates that Embree accepts. amplitude,
+ * mapScale: as in SceneSettings. */
+void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale, const Cage& cage);
+
 /* Generates or reads a model and validates its cage. Appends lines to `warnings`. Throws Error. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);
 

@@ -9,6 +9,7 @@
 
 #include "basics/vec.h"
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -31,6 +32,10 @@ enum class CreaseRule
   Chaikin, // by 1 after averaging with neighboring creases
 };
 
+/* The sharpness that a file or a caller means: 10 and more are infinite, as in OpenSubdiv and USD. Embree rounds a
+ * corner of any finite sharpness. */
+inline float sharpnessOf(float given) { return given >= 10.0f ? INFINITY : given; }
+
 struct Cage
 {
   std::string name;
@@ -47,7 +52,7 @@ struct Cage
   static constexpr unsigned noUV = ~0u;
 
   std::vector<std::pair<unsigned, unsigned>> creaseEdges; // vertex pairs
-  std::vector<float> creaseSharpness;                     // infinity for a hard edge
+  std::vector<float> creaseSharpness;                     // below 10, or infinity for a hard edge
   std::vector<unsigned> cornerVertices;
   std::vector<float> cornerSharpness;
   std::vector<unsigned> holes;

@@ -7,6 +7,7 @@
 #include "surface/topology_refiner.h"
 
 #include <opensubdiv/far/error.h>
+#include <opensubdiv/sdc/crease.h>
 
 #include <algorithm>
 #include <memory>
@@ -171,6 +172,64 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
                 "the true surface include the difference\n";
 }
 
+/* Edges at which the surface ends in Embree: of one face that is no hole. */
+std::vector<char> findBorders(const Cage& cage, const Far::TopologyLevel& level)
+{
+  std::vector<char> isHole(cage.numFaces(), 0);
+  for (unsigned face : cage.holes)
+    isHole[face] = 1;
+  std::vector<char> isBorder(size_t(level.GetNumEdges()), 0);
+  for (int edge = 0; edge < level.GetNumEdges(); edge++)
+  {
+    const Far::ConstIndexArray all = level.GetEdgeFaces(edge);
+    const auto isFace = [&](int face) { return !isHole[size_t(face)]; };
+    isBorder[size_t(edge)] = std::count_if(all.begin(), all.end(), isFace) == 1;
+  }
+  return isBorder;
+}
+
+/* OpenSubdiv smooths across holes as if they were faces, unless their edges are creased. */
+void warnOfHoles(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  if (cage.boundary == BoundaryRule::None)
+    return; // see warnOfBoundary
+  const std::vector<char> isBorder = findBorders(cage, level);
+  std::set<unsigned> holes;
+  for (unsigned hole : cage.holes)
+    for (int edge : level.GetFaceEdges(int(hole)))
+      if (isBorder[size_t(edge)] && !OpenSubdiv::Sdc::Crease::IsInfinite(level.GetEdgeSharpness(edge)))
+        holes.insert(hole);
+  if (!holes.empty())
+    warnings += cage.name + ": " + counted(holes.size(), "hole", "holes") + ", " +
+                (holes.size() == 1 ? "" : "for example ") + "face " + std::to_string(*holes.begin() + 1) +
+                ": Embree ends the surface there as at a border, OpenSubdiv smooths it as if the hole were a face; " +
+                "errors against the true surface do not include this difference\n";
+}
+
+/* Under BoundaryRule::None, Embree leaves out all faces that touch a border or a hole. OpenSubdiv keeps those at holes,
+ * and at borders that are infinitely sharp. */
+void warnOfBoundary(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  if (cage.boundary != BoundaryRule::None)
+    return;
+  const std::vector<char> isBorder = findBorders(cage, level);
+  std::vector<int> lost;
+  for (int face = 0; face < level.GetNumFaces(); face++)
+  {
+    const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
+    if (!level.IsFaceHole(face) && std::any_of(vertices.begin(), vertices.end(), [&](int vertex) {
+          const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
+          return std::any_of(edges.begin(), edges.end(), [&](int edge) { return isBorder[size_t(edge)]; });
+        }))
+      lost.push_back(face);
+  }
+  if (!lost.empty())
+    warnings += cage.name + ": " + faces(lost.size()) + " at borders or holes, " +
+                (lost.size() == 1 ? "" : "for example ") + "face " + std::to_string(lost.front() + 1) +
+                ": left out by Embree under boundary rule 0 (none), but not by OpenSubdiv; expected rule 1 (edge and " +
+                "corner) or 2 (edge only)\n";
+}
+
 /* Groups the faces at a vertex that manifold edges connect, as Embree does. */
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
@@ -269,6 +328,8 @@ void validateCage(Cage& cage, std::string& warnings)
   warnOfEdges(cage, level, warnings);
   warnOfVertices(cage, level, warnings);
   warnOfCreases(cage, warnings);
+  warnOfHoles(cage, level, warnings);
+  warnOfBoundary(cage, level, warnings);
   turnIntoHoles(cage, level, warnings);
 }
 

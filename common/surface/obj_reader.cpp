@@ -303,7 +303,7 @@ private:
       if (!(sharpness >= 0.0f))
         fail("sharpness " + printable(words[3 + counts[0] + i]) + " is " +
              (sharpness < 0.0f ? "negative" : "not a number") + "; expected 0 or more");
-      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // infinitely sharp, as in OpenSubdiv
+      tag.floats.push_back(sharpnessOf(sharpness));
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());
     return tag;

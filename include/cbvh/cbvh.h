@@ -213,7 +213,8 @@ struct CbvhCage
 
   size_t numCreases CBVH_ZERO;
   const unsigned int* creases CBVH_ZERO;   /* two vertices each */
-  const float* creaseSharpness CBVH_ZERO;  /* one entry per crease, 0 to infinity, a sharp edge */
+  const float* creaseSharpness CBVH_ZERO;  /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
+                                            * infinity, also for corners, as in OpenSubdiv and USD */
   size_t numCorners CBVH_ZERO;
   const unsigned int* corners CBVH_ZERO;   /* vertices */
   const float* cornerSharpness CBVH_ZERO;  /* one entry per corner, 0 to infinity */

@@ -3,6 +3,7 @@
 
 #include "context.h"
 
+#include "cbvh/core/device.h"
 #include "cbvh/core/device_string.h"
 
 #include <embree3/rtcore_compression.h>
@@ -42,17 +43,32 @@ void handleEmbreeError(void* context, RTCError code, const char* text)
   else ((const CbvhContextTy*)context)->report(failure);
 }
 
+/* Must be called in a catch block. */
+Failure exceptionAsFailure()
+{
+  try { throw; }
+  catch (Failure& failure) { return std::move(failure); }
+  catch (...) {
+    embree::core::CaughtError error = embree::core::caughtError();
+    return {codeOf(error.code), std::move(error.text)};
+  }
+}
+
+RTCDevice newDevice(const char* settings)
+{
+  try { return (RTCDevice)embree::core::newDevice(settings); }
+  catch (...) {
+    const Failure failure = exceptionAsFailure();
+    throw Failure{failure.code, std::string("cannot create a context with ")
+      + (settings ? std::string("the settings '") + settings + "'" : "default settings") + ": " + failure.text};
+  }
+}
+
 } // namespace
 
 CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr)
-  : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
+  : device(newDevice(settings)), function(function), userPtr(userPtr)
 {
-  if (!device) {
-    const std::string reason = embree::fetchSettingError();
-    throw Failure{codeOf(rtcGetDeviceError(nullptr)),
-      std::string("cannot create a context with the settings '") + (settings ? settings : "") + "'"
-        + (reason.empty() ? "" : ": " + reason)};
-  }
   rtcSetDeviceErrorFunction(device, handleEmbreeError, this);
 }
 
@@ -75,17 +91,6 @@ void CbvhContextTy::check() const
 }
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
-
-/* Must be called in a catch block. */
-static Failure exceptionAsFailure()
-{
-  try { throw; }
-  catch (Failure& failure) { return std::move(failure); }
-  catch (...) {
-    embree::core::CaughtError error = embree::core::caughtError();
-    return {codeOf(error.code), std::move(error.text)};
-  }
-}
 
 Failure embree::beside::caughtFailure()
 {

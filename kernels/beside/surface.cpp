@@ -41,6 +41,15 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
   copyTo(geometry, type, slot, format, data, sizeof(T), sizeof(T), count);
 }
 
+/* Embree rounds corners of any finite sharpness. */
+void copySharpness(RTCGeometry geometry, RTCBufferType type, const float* values, size_t count)
+{
+  constexpr float infinite = 10; // as in OpenSubdiv and USD
+  std::vector<float> sharpness(values, values + count);
+  for (float& s : sharpness) if (s >= infinite) s = INFINITY;
+  copyTo(geometry, type, 0, RTC_FORMAT_FLOAT, sharpness.data(), count);
+}
+
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const Input& input = *(const Input*)args->geometryUserPtr;
@@ -230,9 +239,9 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   if (cage.rates) copyTo(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, cage.rates, cage.numIndices);
   else rtcSetGeometryTessellationRate(geometry, cage.rate);
   copyTo(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, cage.creases, 8, 8, cage.numCreases);
-  copyTo(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.creaseSharpness, cage.numCreases);
+  copySharpness(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, cage.creaseSharpness, cage.numCreases);
   copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, 0, RTC_FORMAT_UINT, cage.corners, cage.numCorners);
-  copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.cornerSharpness, cage.numCorners);
+  copySharpness(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, cage.cornerSharpness, cage.numCorners);
   copyTo(geometry, RTC_BUFFER_TYPE_HOLE, 0, RTC_FORMAT_UINT, cage.holes, cage.numHoles);
   rtcSetGeometrySubdivisionMode(geometry, 0, modeOf(cage.boundary));
   if (cage.displacement) {

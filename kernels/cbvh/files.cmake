@@ -13,6 +13,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_dicing.cpp
   cbvh/api/rtcore_compressed_files.cpp
   cbvh/core/compression.cpp
+  cbvh/core/device.cpp
   cbvh/core/device_string.cpp
   cbvh/core/dicing.cpp
   cbvh/core/errors.cpp
@@ -21,6 +22,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/core/struct_size.cpp
   cvert/basics/reason.cpp
   cvert/file/checksum.cpp
+  cvert/file/directory.cpp
   cvert/file/file.cpp
   cvert/file/record.cpp
   cvert/file/writer.cpp

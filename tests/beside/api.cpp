@@ -624,6 +624,59 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(none2, nullptr);
 }
 
+TEST(Beside, SharpnessOf10AndMoreIsInfinite)
+{
+  Context context;
+  const unsigned edge[2] = {4, 5}, vertex = 7;
+  // distances of hits next to the edge and to the vertex
+  const auto distances = [&](float ofEdge, float ofVertex) {
+    CbvhCage cage = cube();
+    cage.numCreases = 1; cage.creases = edge; cage.creaseSharpness = &ofEdge;
+    cage.numCorners = 1; cage.corners = &vertex; cage.cornerSharpness = &ofVertex;
+    const Surface surface(context);
+    EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    const Group group(context, {surface});
+    std::vector<float> found;
+    for (float x : {0.0f, 1.0f}) {
+      CbvhRayHit ray = rayFromAbove();
+      ray.ray.org_x = 3*x + 0.001f; ray.ray.org_y = x > 0 ? 3.0f : -3.0f; ray.ray.org_z = 3;
+      ray.ray.dir_x = -x; ray.ray.dir_y = x > 0 ? -1.0f : 1.0f; ray.ray.dir_z = -1;
+      EXPECT_EQ(cbvhIntersect1(group, &ray, nullptr), 1);
+      found.push_back(ray.ray.tfar);
+    }
+    return found;
+  };
+  const std::vector<float> sharp = distances(INFINITY, INFINITY);
+  EXPECT_NEAR(sharp[1], 2, 0.01);
+  for (float sharpness : {10.0f, 11.5f, 1e30f}) EXPECT_EQ(distances(sharpness, sharpness), sharp) << sharpness;
+  EXPECT_GT(distances(INFINITY, 9.5f)[1], sharp[1] + 1e-4f);
+}
+
+// The interposer relies on it, see kernels/beside/interposer/input.cpp.
+TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10)
+{
+  const Device device;
+  const auto surface = [&](float sharpness) {
+    Cage cage = cubeCage();
+    cage.corners = {7};
+    cage.cornerWeights = {sharpness};
+    const RTCGeometry geometry = newSurface(device, cage, SurfaceSettings());
+    std::vector<float> points;
+    for (unsigned primID = 0; primID < 6; primID++)
+      for (unsigned i = 0; i < 17*17; i++) {
+        float p[3];
+        rtcInterpolate0(geometry, primID, float(i % 17)/16, float(i/17)/16, RTC_BUFFER_TYPE_VERTEX, 0, p, 3);
+        points.insert(points.end(), p, p + 3);
+      }
+    rtcReleaseGeometry(geometry);
+    return points;
+  };
+  const std::vector<float> rounded = surface(std::nextafter(10.0f, 0.0f));
+  for (float sharpness : {10.0f, 10.5f, 20.0f, 1e30f}) EXPECT_EQ(surface(sharpness), rounded) << sharpness;
+  EXPECT_NE(surface(INFINITY), rounded);
+}
+
 TEST(Beside, NonFiniteDisplacementIsReported)
 {
   Random random(94);

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <iterator>
+#include <string>
 #include <vector>
 
 namespace cbvh::test {
@@ -84,6 +85,27 @@ TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives)
   }
   cbvhReleaseSurface(surface);
   cbvhReleaseContext(context);
+}
+
+TEST(BesideExhaustedHeap, ContextsReturnTheReason)
+{
+  CbvhError error = CBVH_ERROR_UNKNOWN;
+  for (unsigned n = 0; error != CBVH_OK; n++) { // refuses all allocations after the first n
+    SCOPED_TRACE(n);
+    CbvhContext context = nullptr;
+    allowed = n;
+    isExhausted = true;
+    error = cbvhNewContext("threads=1", nullptr, nullptr, &context);
+    isExhausted = false;
+    allowed = 0;
+    ASSERT_EQ(context != nullptr, error == CBVH_OK);
+    if (error != CBVH_OK) {
+      EXPECT_EQ(error, CBVH_ERROR_OUT_OF_MEMORY);
+      EXPECT_NE(std::string(cbvhGetErrorText()).find("out of memory"), std::string::npos) << cbvhGetErrorText();
+    }
+    cbvhReleaseContext(context);
+    ASSERT_LT(n, 10000u);
+  }
 }
 
 // Memory also runs out while the error is reported.

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits.h>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -574,6 +575,24 @@ TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
     EXPECT_EQ(cbvhNewContext(right, nullptr, nullptr, &context), CBVH_OK) << right << cbvhGetErrorText();
     cbvhReleaseContext(context);
   }
+}
+
+TEST(OddContexts, InstructionSetsThatTheCpuLacksAreTheReason)
+{
+  CbvhContext context = nullptr;
+  const CbvhError error = cbvhNewContext("isa=avx512", nullptr, nullptr, &context);
+  cbvhReleaseContext(context);
+  if (error == CBVH_OK) GTEST_SKIP() << "this CPU has AVX-512";
+  EXPECT_EQ(error, CBVH_ERROR_UNSUPPORTED_CPU);
+  EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), {"isa=avx512", "CPU", "selected ISA"}));
+}
+
+TEST(OddContexts, ThereMayBeMoreThanKeysOfPthreads)
+{
+  std::vector<CbvhContext> contexts(PTHREAD_KEYS_MAX + 100);
+  for (CbvhContext& context : contexts)
+    ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
+  for (CbvhContext context : contexts) cbvhReleaseContext(context);
 }
 
 // A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided.

@@ -121,7 +121,7 @@ TEST(CageValidation, RepeatedHolesCountOnce)
 {
   Cage cage = withFaces(6, {{0, 1, 2, 3}, {1, 4, 5, 2}});
   cage.holes = {0, 0};
-  EXPECT_EQ(checked(cage).warnings, "");
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "1 hole", "face 1:"}));
   cage.holes = {0, 1, 1};
   EXPECT_TRUE(containsInOrder(errorOf(cage), {"test: ", " 16 ", " 1024 "}));
 }
@@ -174,6 +174,65 @@ Cage creasedQuads(const std::vector<float>& sharpness)
     cage.creaseSharpness.push_back(sharpness[i]);
   }
   return cage;
+}
+
+/* n x n quads, without what is at the border of the unit squares. */
+Cage quads(unsigned n)
+{
+  std::vector<std::vector<unsigned>> faces;
+  for (unsigned y = 0; y < n; y++)
+    for (unsigned x = 0; x < n; x++)
+    {
+      const unsigned v = y * (n + 1) + x;
+      faces.push_back({v, v + 1, v + n + 2, v + n + 1});
+    }
+  return withFaces((n + 1) * (n + 1), faces);
+}
+
+void crease(Cage& cage, unsigned face, float sharpness)
+{
+  for (unsigned i = 0; i < 4; i++)
+    cage.creaseEdges.push_back({cage.faceIndices[4 * face + i], cage.faceIndices[4 * face + (i + 1) % 4]});
+  cage.creaseSharpness.assign(cage.creaseEdges.size(), sharpness);
+}
+
+/* See docs/accuracy.md. With an infinite crease around a hole, both programs agree. */
+TEST(CageValidation, WarnsOfHolesThatOpenSubdivSmooths)
+{
+  Cage cage = quads(5);
+  EXPECT_EQ(checked(cage).warnings, "");
+  cage.holes = {6};
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "1 hole", "face 7:"}));
+  EXPECT_EQ(linesOf(checked(cage).warnings), 1);
+  cage.holes = {6, 18};
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "2 holes", "face 7:"}));
+  crease(cage, 6, 3.0f);
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"2 holes"}));
+  cage.creaseEdges.clear();
+  crease(cage, 6, INFINITY);
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"1 hole", "face 19:"}));
+  crease(cage, 18, INFINITY);
+  EXPECT_EQ(checked(cage).warnings, "");
+  Cage all = quads(1);
+  all.holes = {0};
+  EXPECT_NE(errorOf(all), "");
+}
+
+/* Counted by Embree's hits in a sheet of 6 x 6: of 16 faces within, a hole leaves 7. */
+TEST(CageValidation, WarnsOfFacesThatVanishWithoutBoundary)
+{
+  Cage cage = quads(6);
+  cage.boundary = BoundaryRule::None;
+  EXPECT_EQ(checked(cage).warnings, "") << "OpenSubdiv leaves out the same faces";
+  Cage holed = cage;
+  holed.holes = {14};
+  EXPECT_TRUE(containsInOrder(checked(holed).warnings, {"test: ", "8 faces", "rule 0"}));
+  EXPECT_EQ(linesOf(checked(holed).warnings), 1);
+  for (unsigned y = 0; y < 6; y++)
+    for (unsigned x = 0; x < 6; x++)
+      if (x == 0 || y == 0 || x == 5 || y == 5)
+        crease(cage, 6 * y + x, INFINITY);
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "20 faces", "rule 0"}));
 }
 
 TEST(CageValidation, IgnoresCreasesWithoutEdge)

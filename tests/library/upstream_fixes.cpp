@@ -11,9 +11,11 @@
 
 #include <gtest/gtest.h>
 
+#include <limits.h>
 #include <malloc.h>
 #include <mutex>
 #include <sys/mman.h>
+#include <thread>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -489,6 +491,41 @@ TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang)
     for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"})
       rtcReleaseDevice(rtcNewDevice(config));
   alarm(0);
+}
+
+TEST(UpstreamFixes, MoreDevicesThanKeysOfPthreads)
+{
+  std::vector<RTCDevice> devices;
+  for (int i = 0; i < PTHREAD_KEYS_MAX + 100; i++) {
+    devices.push_back(rtcNewDevice("threads=1"));
+    ASSERT_TRUE(devices.back()) << i << ", error " << rtcGetDeviceError(nullptr);
+  }
+  for (RTCDevice device : devices) rtcReleaseDevice(device);
+}
+
+TEST(UpstreamFixes, ErrorsBelongToTheirDeviceAndThread)
+{
+  const auto invalid = RTCDeviceProperty(12345);
+  const RTCDevice devices[] = {rtcNewDevice("threads=1"), rtcNewDevice("threads=1")};
+  for (int round = 0; round < 2; round++) {
+    rtcGetDeviceProperty(devices[0], invalid);
+    rtcNewBuffer(nullptr, 1);
+    for (int i = 0; i < 3; i++)
+      std::thread([&] {
+        for (RTCDevice device : devices) EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_NONE);
+        EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
+        rtcGetDeviceProperty(devices[1], invalid);
+        EXPECT_EQ(rtcGetDeviceError(devices[0]), RTC_ERROR_NONE);
+        if (i == 2) return; // a later thread must not see the error
+        EXPECT_EQ(rtcGetDeviceError(devices[1]), RTC_ERROR_INVALID_ARGUMENT);
+      }).join();
+    EXPECT_EQ(rtcGetDeviceError(devices[1]), RTC_ERROR_NONE);
+    for (RTCDevice device : {devices[0], RTCDevice(nullptr)}) {
+      EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_INVALID_ARGUMENT);
+      EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_NONE);
+    }
+  }
+  for (RTCDevice device : devices) rtcReleaseDevice(device);
 }
 
 } // namespace

@@ -62,6 +62,21 @@ class Cages(unittest.TestCase):
         of_a, of_b = (cbvh.Model(cage).tessellate(3)[0] for cage in (a, b))
         np.testing.assert_array_equal(of_a, of_b)
 
+    def test_sharpness_of_10_and_more_is_infinite(self):
+        of_file = self.load(CUBE.replace(" 0 1 2.5", " 0 1 10").replace(" 6 3", " 6 10"))
+
+        def surface(sharpness):
+            cage = cbvh.Cage(of_file.vertices, of_file.indices, of_file.face_vertex_counts, crease_edges=[[0, 1]],
+                             crease_sharpness=sharpness, corner_vertices=[6], corner_sharpness=[sharpness])
+            return cbvh.Model(cage).tessellate(3)[0]
+
+        hard = surface(np.inf)
+        self.assertTrue((hard == of_file.vertices[6]).all(axis=1).any())
+        for sharpness in (10, 11.5, 1e30):
+            np.testing.assert_array_equal(surface(sharpness), hard)
+        np.testing.assert_array_equal(cbvh.Model(of_file).tessellate(3)[0], hard)
+        self.assertFalse(np.array_equal(surface(9.5), hard))
+
     def test_some_faces_may_have_no_texture_coordinates(self):
         none = 2**32 - 1
         a = self.load(CUBE.replace("f 6/1 5/2 8/3 7/4", "f 6 5 8 7"))

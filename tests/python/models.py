@@ -105,6 +105,8 @@ class Heights(unittest.TestCase):
                 (TypeError, "height: .*complex128", (np.zeros((4, 4), complex),)),
                 (ValueError, "^amplitude: .*height", (None, 1.0)),
                 (ValueError, "amplitude: .*finite", (np.zeros((4, 4)), np.nan)),
+                (cbvh.Error, r"^amplitude 1e\+38 .*large.*e\+16 ", (np.zeros((4, 4)), 1e38)),
+                (cbvh.Error, r"^amplitude -1e\+18 .*large.*e\+16 ", (np.zeros((4, 4)), -1e18)),
                 (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Model(sheet(), *arguments)

@@ -40,6 +40,24 @@ def bumpy_sphere(rows=24, scale=1.0, center=(0, 0, 0)):
     return vertices * scale + np.asarray(center), faces
 
 
+def plates(count, cells):
+    """Closed boxes above each other, of height 0.5 at z = 0, 1, 2..., with cells x cells quads on each large side."""
+    sides = np.arange(cells + 1) * 1.0
+    y, x = np.meshgrid(sides, sides, indexing="ij")
+    layer = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+    width = cells + 1
+    corner = (np.arange(cells)[:, None] * width + np.arange(cells)).reshape(-1)
+    quads = np.stack([corner, corner + 1, corner + width + 1, corner + width], axis=-1)
+    around = [*range(width), *range(2 * width - 1, width * width, width), *range(width * width - 2, width * cells, -1),
+              *range(width * cells, 0, -width)]
+    walls = [[a, b, b + width * width, a + width * width] for a, b in zip(around, around[1:] + around[:1])]
+    quads = np.concatenate([quads[:, ::-1], quads + width * width, walls])
+    faces = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    vertices = np.concatenate([layer + [0, 0, z + top] for z in range(count) for top in (0, 0.5)])
+    faces = np.concatenate([faces + 2 * width * width * z for z in range(count)])
+    return StandIn(vertices=vertices, faces=faces)
+
+
 class StandIn(types.SimpleNamespace):
     def __hash__(self):
         return hash(np.asarray(self.vertices).tobytes() + np.asarray(self.faces).tobytes())
@@ -130,6 +148,108 @@ class Queries(unittest.TestCase):
         for scale, center in ((1e-6, (0, 0, 0)), (1e7, (0, 0, 0)), (1, (1e5, -2e5, 3e5))):
             with self.subTest(scale=scale, center=center):
                 self.check(sphere(scale=scale, center=center), 100)
+
+    def test_all_hits_are_returned_unless_a_bound_is_given(self):
+        for cells in (1, 3):  # few triangles and many: 12 and 60 per box
+            mesh = plates(15 if cells == 1 else 60, cells)
+            hits = 30 if cells == 1 else 120
+            engine = RayMeshIntersector(mesh)
+            rng = np.random.default_rng(2)
+            origins = np.append(rng.uniform(0.1, 0.9, (50, 2)) * cells, np.full((50, 1), -1), axis=1)
+            rays = origins, np.tile([0.0, 0.0, 1.0], (50, 1))
+            locations, of_rays, triangles = engine.intersects_location(*rays)
+            self.assertEqual(np.bincount(of_rays).tolist(), [hits] * 50)
+            np.testing.assert_allclose(np.sort(locations[of_rays == 7, 2]), np.arange(hits) / 2, atol=1e-12)
+            self.assertEqual(len(engine.intersects_id(*rays)[0]), 50 * hits)
+            for most in (0, 1, 20, 200):
+                self.assertEqual(len(engine.intersects_id(*rays, max_hits=most)[0]), 50 * min(most, hits))
+
+    @unittest.skipUnless(trimesh, "no trimesh")
+    def test_contains_counts_every_wall(self):
+        mesh = plates(60, 3)
+        solid = trimesh.Trimesh(mesh.vertices * (100, 100, 1), mesh.faces, process=False)
+        self.assertTrue(solid.is_watertight)
+        solid.ray = RayMeshIntersector(solid)
+        points = np.random.default_rng(4).uniform((0, 0, -1), (300, 300, 61), (2000, 3))
+        np.testing.assert_array_equal(solid.contains(points), (points[:, 2] % 1 < 0.5) & (abs(points[:, 2] - 30) < 30))
+
+    def test_locations_at_triangles_of_no_area_are_on_them(self):
+        for rows in (6, 24):
+            vertices, faces = bumpy_sphere(rows=rows)
+            # Triangles along edges: with the middle of the edge, with equal vertices, and with a vertex next to it.
+            a, b, c = vertices[faces].transpose(1, 0, 2)
+            n = len(vertices)
+            middles = n + np.arange(len(faces))
+            slivers = [np.stack([faces[:, 0], middles, faces[:, 1]], axis=-1), faces[:, [0, 1, 1]], faces[:, [2, 2, 2]]]
+            needles = np.stack([faces[:, 0], middles + len(faces), faces[:, 1]], axis=-1)
+            mesh = StandIn(vertices=np.concatenate([vertices, (a + b) / 2, (a + b) / 2 + 1e-9 * (c - a)]),
+                           faces=np.concatenate([faces, *slivers, needles]))
+            engine = RayMeshIntersector(mesh)
+            rng = np.random.default_rng(11)
+            weights = rng.uniform(0, 1, (len(faces), 1))
+            origins = rng.normal(size=(len(faces), 3)) * 3
+            hit_flat = 0
+            for targets in (weights * a + (1 - weights) * b, (a + b) / 2, c):
+                with np.errstate(all="raise"):
+                    locations, rays, triangles = engine.intersects_location(origins, targets - origins)
+                directions = (targets - origins)[rays]
+                directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+                along = ((locations - origins[rays]) * directions).sum(axis=1, keepdims=True)
+                off = np.linalg.norm(origins[rays] + along * directions - locations, axis=1)
+                self.assertLess(off.max(), 1e-12)
+                corners = mesh.vertices[mesh.faces[triangles]]
+                below, above = corners.min(axis=1) - locations, locations - corners.max(axis=1)
+                self.assertLess(np.maximum(below, above).max(), 1e-5)
+                hit_flat += (triangles >= len(faces)).sum()
+                self.assertEqual(len(np.unique([rays, triangles], axis=1).T), len(rays), "a triangle is hit twice")
+            if rows > 10:  # compressed: the kernels hit triangles that are edges, too
+                self.assertGreater(hit_flat, 10)
+
+    def test_rays_may_start_far_away(self):
+        for rows in (6, 24):
+            for scale_to_box in (True, False):
+                mesh = sphere(rows=rows)
+                origins, directions = rays_at(mesh, 150, seed=8)
+                directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+                origins -= 10 * directions  # outside of the mesh
+                engine = RayMeshIntersector(mesh, scale_to_box=scale_to_box)
+                expected = engine.intersects_location(origins, directions)
+                self.assertGreater(len(expected[1]), 150)
+                for sizes in (1e3, 1e5, 1e6, 1e7):
+                    with self.subTest(rows=rows, scale_to_box=scale_to_box, sizes=sizes):
+                        away = origins - sizes * directions
+                        locations, rays, triangles = engine.intersects_location(away, directions)
+                        np.testing.assert_array_equal(rays, expected[1])
+                        np.testing.assert_array_equal(triangles, expected[2])
+                        np.testing.assert_allclose(locations, expected[0], atol=1e-14 * sizes)
+
+    def test_directions_of_any_length(self):
+        mesh = sphere()
+        origins, directions = rays_at(mesh, 50, seed=9)
+        expected = RayMeshIntersector(mesh).intersects_first(origins, directions)
+        for length in (1e-200, 1e-30, 1e30, 1e200):
+            found = RayMeshIntersector(mesh).intersects_first(origins, directions * length)
+            np.testing.assert_array_equal(found, expected)
+
+    def test_rays_without_a_direction_and_rays_that_are_not_finite_miss(self):
+        origins = np.array([[0, 0, 0], [0, 0, 0], [np.nan, 0, 5], [0, np.inf, 5], [0.05, 0.02, 5]])
+        directions = np.array([[0, 0, 0], [0, np.nan, 1], [0, 0, -1], [0, 0, -1], [0, 0, -1.0]])
+        for rows in (6, 24):
+            found = RayMeshIntersector(sphere(rows=rows)).intersects_any(origins, directions)
+            self.assertEqual(found.tolist(), [False] * 4 + [True])
+
+    def test_rays_along_axes_hit(self):
+        for cells in (1, 3):
+            engine = RayMeshIntersector(plates(10, cells))
+            origins = [[0.5, 0.2, -5], [0.5, 0.2, 4.75], [-5, 0.2, 0.2], [0.2, -5, 9.4], [0.5, 0.2, 9.6], [5, 5, -5]]
+            directions = [[0, 0, 1], [-0.0, 0, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1.0]]
+            rays = engine.intersects_id(origins, directions)[1]
+            self.assertEqual(np.bincount(rays, minlength=6).tolist(), [20, 10, 2, 2, 0, 0])
+
+    def test_thousands_of_engines_live_at_once(self):
+        engines = [RayMeshIntersector(sphere(rows=12)) for _ in range(2200)]
+        self.assertGreater(sum(e.memory_bytes() for e in engines), 0)
+        self.assertTrue(engines[-1].intersects_any([[0.05, 0.02, 5.0]], [[0.0, 0.0, -1.0]])[0])
 
     def test_changed_mesh_is_built_again(self):
         mesh = sphere()

@@ -95,13 +95,16 @@ std::vector<float> readSharpness(const py::object& value, const std::string& arg
   if (value.is_none())
     return std::vector<float>(n, INFINITY);
   const Floats array = floats(value, argument);
-  const std::vector<float> sharpness =
+  std::vector<float> sharpness =
     array.ndim() == 0 ? std::vector<float>(n, *array.data()) : floatVector(value, argument);
   if (sharpness.size() != n)
     throwValueError(argument, "has " + std::to_string(sharpness.size()) + " elements: expected " + std::to_string(n));
-  for (float s : sharpness)
+  for (float& s : sharpness)
+  {
     if (!(s >= 0.0f))
       throwValueError(argument, "contains " + std::to_string(s) + ": expected 0 or more");
+    s = sharpnessOf(s);
+  }
   return sharpness;
 }
 
@@ -166,7 +169,8 @@ uvs: (m, 2), texture coordinates; (0, 0) is the lower left corner of an image, (
 uv_indices: parallel to indices, indices of the corners' texture coordinates, or 4294967295 at all corners of a face
   without coordinates. If omitted, uvs has one row per vertex.
 crease_edges: (c, 2) integers, the vertices of edges.
-crease_sharpness: (c,) or one number, at least 0; inf for a hard edge, which is the default.
+crease_sharpness: (c,) or one number, at least 0; 10 and more mean a hard edge, as in OpenSubdiv and USD, and are stored
+  as inf, the default.
 corner_vertices, corner_sharpness: (c,) each, the same for vertices.
 holes: (h,) integers, faces without surface.
 boundary: the shape at boundary edges: "edge_only", a smooth curve; "edge_and_corner", the same with sharp corners;

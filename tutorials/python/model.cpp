@@ -181,6 +181,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   map.channel = channel;
   map.repeat = readRepeat(repeat);
   const float diagonal = cage.bounds().diagonal();
+  validateScale(amplitude, std::nullopt, cage);
   map.scale = amplitude ? *amplitude * diagonal : map.values == MapValues::Heights ? defaultAmplitude * diagonal : 1.0f;
   if (height.is_none())
     return model;

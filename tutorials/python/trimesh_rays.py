@@ -7,8 +7,9 @@
     mesh.ray = RayMeshIntersector(mesh)
     mesh.ray.intersects_first(origins, directions)
 
-The methods, their arguments and results are those of trimesh.ray.ray_pyembree. Hits are on the triangles of the mesh:
-vertices are stored exactly, as floats of 32 bits, like in embreex.
+The methods, their arguments and results are those of trimesh.ray.ray_pyembree, which returns 20 hits per ray at most:
+here, all hits are returned unless the caller sets max_hits. Hits are on the triangles of the mesh: vertices are stored
+exactly, as floats of 32 bits, like in embreex.
 
 It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". It does not help with small meshes,
 and it does not save time: rays at irregular meshes take longer than in Embree, and a query runs on one thread.
@@ -17,6 +18,7 @@ trimesh's own arrays, 36 bytes per triangle of a closed mesh, stay.
 
 import ctypes
 import functools
+import itertools
 import weakref
 from pathlib import Path
 
@@ -27,8 +29,9 @@ __all__ = ["RayMeshIntersector"]
 NO_HIT = 0xFFFFFFFF
 FEWEST_COMPRESSED = 256  # triangles, see docs/meshes.md
 PACKET = 16
-# Rows of RTCRayHit16
+# Rows of RTCRayHit16, and words of RTCRayHit
 ORIGIN, NEAR, DIRECTION, FAR, MASK, PRIMITIVE, GEOMETRY, ROWS = slice(0, 3), 3, slice(4, 7), 8, 9, 17, 18, 20
+BEFORE_ALL = np.float32(-1)  # distance of no hit
 HANDLE = ctypes.c_void_p
 
 
@@ -70,6 +73,32 @@ class Statistics(ctypes.Structure):
     ]
 
 
+class FilterArguments(ctypes.Structure):
+    """CbvhFilterArguments"""
+
+    _fields_ = [
+        ("valid", ctypes.POINTER(ctypes.c_int)),
+        ("user_ptr", ctypes.c_void_p),
+        ("rays", ctypes.POINTER(ctypes.c_float)),
+        ("hits", ctypes.c_void_p),
+        ("count", ctypes.c_uint),
+    ]
+
+
+FilterFunction = ctypes.CFUNCTYPE(None, ctypes.POINTER(FilterArguments))
+
+
+class Query(ctypes.Structure):
+    """CbvhQuery"""
+
+    _fields_ = [
+        ("struct_size", ctypes.c_size_t),
+        ("flags", ctypes.c_uint),
+        ("filter", FilterFunction),
+        ("filter_user_ptr", ctypes.c_void_p),
+    ]
+
+
 @functools.lru_cache(maxsize=None)
 def library():
     """Loads the library of the wheel that contains this file, or the one that the dynamic linker finds."""
@@ -84,8 +113,8 @@ def library():
         "cbvhNewGroup": [HANDLE, ctypes.POINTER(HANDLE), ctypes.c_size_t, ctypes.POINTER(HANDLE)],
         "cbvhCommitGroup": [HANDLE],
         "cbvhGetGroupStatistics": [HANDLE, ctypes.POINTER(Statistics)],
+        "cbvhIntersect1": [HANDLE, ctypes.c_void_p, ctypes.POINTER(Query)],
         "cbvhIntersect16": [HANDLE, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p],
-        "cbvhReleaseContext": [HANDLE],
         "cbvhReleaseSurface": [HANDLE],
         "cbvhReleaseGroup": [HANDLE],
     }
@@ -105,6 +134,19 @@ def library():
 def check(code, function, _):
     if code:
         raise RuntimeError(f"{function.__name__}: {library().cbvhGetErrorText().decode()}")
+
+
+@functools.lru_cache(maxsize=None)
+def context():
+    """Returns the context of all meshes, which lives as long as the process."""
+    result = HANDLE()
+    library().cbvhNewContext(None, None, None, ctypes.byref(result))
+    return result
+
+
+def after(distances):
+    """The next floats of 32 bits."""
+    return np.nextafter(distances, np.float32(np.inf))
 
 
 def aligned_zeros(shape, dtype):
@@ -127,29 +169,55 @@ class CompressedMesh:
         steps = (ctypes.c_void_p * 1)(points.ctypes.data)
         mesh = Mesh(ctypes.sizeof(Mesh), 3, len(indices), indices.ctypes.data, Vertices(len(vertices), 12, steps, 1))
         api = library()
-        context, surface = HANDLE(), HANDLE()
+        surface = HANDLE()
         self.group = HANDLE()
-        api.cbvhNewContext(None, None, None, ctypes.byref(context))
+        api.cbvhNewSurface(context(), ctypes.byref(surface))
         try:
-            api.cbvhNewSurface(context, ctypes.byref(surface))
             api.cbvhSetSurfaceMesh(surface, mesh)
             api.cbvhSetSurfaceLossless(surface, 1)
             api.cbvhCommitSurface(surface, None, None)
-            api.cbvhNewGroup(context, ctypes.byref(surface), 1, ctypes.byref(self.group))
+            api.cbvhNewGroup(context(), ctypes.byref(surface), 1, ctypes.byref(self.group))
             weakref.finalize(self, api.cbvhReleaseGroup, self.group)
             api.cbvhCommitGroup(self.group)
         finally:  # the group keeps what it needs
-            if surface:
-                api.cbvhReleaseSurface(surface)
-            api.cbvhReleaseContext(context)
+            api.cbvhReleaseSurface(surface)
 
     def memory_bytes(self):
         result = Statistics(ctypes.sizeof(Statistics))
         library().cbvhGetGroupStatistics(self.group, result)
         return result.bytes
 
-    def closest(self, origins, directions, near):
-        """Returns the triangle, or -1, and the distance of the closest hit of each ray beyond `near`."""
+    def closest(self, origins, directions, previous):
+        """Returns the triangle, or -1, and the distance of each ray's next hit.
+
+        previous: distances of the rays' hits before, or BEFORE_ALL. Hits at this distance or the next float are the
+        same hit as the one before.
+        """
+        near = np.where(previous < 0, np.float32(0), after(previous))
+        triangles, distances = self._closest_from(origins, directions, near)
+        # The kernels move hits of triangles in the plane of the ray to its start: it would hit them again and again.
+        for i in np.nonzero((triangles != -1) & (previous >= 0) & (distances <= near))[0]:
+            triangles[i], distances[i] = self._closest_beyond(origins[i], directions[i], near[i])
+        return triangles, distances
+
+    def _closest_beyond(self, origin, direction, near):
+        """The same for one ray, without hits at `near`."""
+        ray = aligned_zeros(ROWS, np.float32)
+        ray[ORIGIN], ray[DIRECTION], ray[NEAR], ray[FAR] = origin, direction, near, np.inf
+        numbers = ray.view(np.uint32)
+        numbers[[MASK, PRIMITIVE, GEOMETRY]] = NO_HIT
+
+        def reject(arguments):
+            if arguments.contents.rays[FAR] <= near:
+                arguments.contents.valid[0] = 0
+
+        query = Query(ctypes.sizeof(Query), 0, FilterFunction(reject))
+        if not library().cbvhIntersect1(self.group, ray.ctypes.data, query):
+            return -1, np.inf
+        return numbers[PRIMITIVE], ray[FAR]
+
+    def _closest_from(self, origins, directions, near):
+        """The same for hits at `near` and beyond."""
         count = len(origins)
         packets = -(-count // PACKET)
         rays = aligned_zeros((packets, ROWS, PACKET), np.float32)
@@ -187,35 +255,100 @@ class FewTriangles:
         corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces, dtype=np.int64).reshape(-1, 3)]
         self.corner, b, c = np.moveaxis(corners, 1, 0)
         self.edges = b - self.corner, c - self.corner
+        self.lengths = np.linalg.norm(self.edges[0], axis=1) * np.linalg.norm(self.edges[1], axis=1)
 
     def memory_bytes(self):
         return 3 * self.corner.nbytes
 
-    def closest(self, origins, directions, near):
+    def closest(self, origins, directions, previous):
         triangles = np.full(len(origins), -1, np.int64)
         distances = np.full(len(origins), np.inf, np.float32)
         if len(self.corner):
             for start in range(0, len(origins), self.RAYS):
                 part = slice(start, start + self.RAYS)
-                t = self._distances(origins[part, None], directions[part, None], near[part, None])
+                t = self._distances(origins[part, None], directions[part, None], previous[part, None])
                 nearest = t.argmin(axis=1)
                 distances[part] = t[np.arange(len(t)), nearest]
                 triangles[part] = np.where(np.isfinite(distances[part]), nearest, -1)
         return triangles, distances
 
-    def _distances(self, origins, directions, near):
-        """Moeller and Trumbore 1997; infinity where a ray misses."""
+    def _distances(self, origins, directions, previous):
+        """Moeller and Trumbore 1997; infinity where a ray misses.
+
+        Rays miss triangles that they see at an angle, or whose edges have an angle, of less than 1e-9: there, rounding
+        errors of doubles exceed those of floats.
+        """
         first, second = self.edges
         across = np.cross(directions, second)
         from_corner = origins - self.corner
         around = np.cross(from_corner, first)
         with np.errstate(divide="ignore", invalid="ignore"):
-            scale = 1 / (first * across).sum(axis=-1)
+            determinant = (first * across).sum(axis=-1)
+            scale = 1 / determinant
             u = (from_corner * across).sum(axis=-1) * scale
             v = (directions * around).sum(axis=-1) * scale
             t = (second * around).sum(axis=-1) * scale
-            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= near)
+            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0) & (t.astype(np.float32) > after(previous))
+            hit &= np.abs(determinant) > 1e-9 * self.lengths
         return np.where(hit, t, np.inf)
+
+
+class Placement:
+    """Between the units of a mesh and those of its scene, in which the mesh's box begins at 0."""
+
+    # Around the box, as a part of its diagonal. Floats there are as precise as inside, and of rays almost in the plane
+    # of a triangle more hit than if they started at the box itself.
+    MARGIN = 0.25
+    ROUNDING = 1e-6  # of vertices and rays in the scene, as a part of the diagonal; at most a few times 2**-24
+
+    def __init__(self, corners, scale_to_box):
+        self.origin, size = np.zeros(3), np.zeros(3)
+        if len(corners):
+            self.origin = corners.min(axis=0)
+            size = corners.max(axis=0) - self.origin
+        diagonal = np.linalg.norm(size)
+        self.scale = 100 / diagonal if scale_to_box and diagonal > 0 else 1.0
+        self.rounding = self.ROUNDING * diagonal * self.scale
+        margin = self.MARGIN * diagonal
+        self.lower, self.upper = np.full(3, -margin) * self.scale, (size + margin) * self.scale
+
+    def to_scene(self, points):
+        return (points - self.origin) * self.scale
+
+    def to_mesh(self, points):
+        return points / self.scale + self.origin
+
+    def entries(self, origins, directions):
+        """Distances along the rays, in the scene, to its box with a margin: 0 from inside, infinity for misses."""
+        parallel = np.abs(directions) < 1e-300
+        between = (origins >= self.lower) & (origins <= self.upper)
+        with np.errstate(all="ignore"):
+            first = (self.lower - origins) / directions
+            last = (self.upper - origins) / directions
+        first, last = np.minimum(first, last), np.maximum(first, last)
+        first = np.where(parallel, np.where(between, -np.inf, np.inf), first)
+        last = np.where(parallel, np.where(between, np.inf, -np.inf), last)
+        entry = np.maximum(first.max(axis=1), 0)
+        return np.where(entry <= last.min(axis=1), entry, np.inf)
+
+
+def unit(vectors):
+    """Directions of length 1; NaN for vectors of length 0 and vectors that are not finite."""
+    with np.errstate(all="ignore"):
+        vectors = vectors / np.abs(vectors).max(axis=-1, keepdims=True)  # so that no square under- or overflows
+        return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def on_triangles(points, corners, tolerance):
+    """True if the point is in the triangle or next to it; False for triangles of no area. corners: (n, 3, 3)."""
+    near = (points >= corners.min(axis=1) - tolerance) & (points <= corners.max(axis=1) + tolerance)
+    near = near.all(axis=1)
+    following = np.roll(corners, -1, axis=1) - corners
+    normals = unit(np.cross(following[:, 0], following[:, 1]))
+    for i in range(3):
+        outward = unit(np.cross(following[:, i], normals))
+        near &= ((points - corners[:, i]) * outward).sum(axis=1) <= tolerance
+    return near
 
 
 class RayMeshIntersector:
@@ -228,33 +361,35 @@ class RayMeshIntersector:
         self._built = None
 
     def _scene(self):
-        """The compressed mesh, its origin and its scale. Built again after a change of the mesh."""
+        """The compressed mesh and its placement. Built again after a change of the mesh."""
         key = hash(self.mesh)
         if self._built is None or self._built[0] != key:
             vertices = np.asarray(self.mesh.vertices, dtype=np.float64)
             used = np.zeros(len(vertices), bool)
             used[np.asarray(self.mesh.faces, dtype=np.int64)] = True
-            corners = vertices[used & np.isfinite(vertices).all(axis=1)]
-            origin, size = np.zeros(3), 0.0
-            if len(corners):
-                origin = corners.min(axis=0)
-                size = np.linalg.norm(corners.max(axis=0) - origin)
-            scale = 100 / size if self._scale_to_box and size > 0 else 1.0
+            placement = Placement(vertices[used & np.isfinite(vertices).all(axis=1)], self._scale_to_box)
             kind = CompressedMesh if len(self.mesh.faces) >= FEWEST_COMPRESSED else FewTriangles
-            self._built = key, kind((vertices - origin) * scale, self.mesh.faces), origin, scale
+            self._built = key, kind(placement.to_scene(vertices), self.mesh.faces), placement
         return self._built[1:]
 
     def _prepare(self, ray_origins, ray_directions):
-        scene, origin, scale = self._scene()
+        """Returns the scene, its placement, and the rays that reach its box: their indices, origins and directions.
+
+        Origins far outside of the box move along their rays towards it, in double precision: far from the mesh, floats
+        of 32 bits are coarser than its triangles.
+        """
+        scene, placement = self._scene()
         origins = np.array(ray_origins, dtype=np.float64)
         directions = np.array(ray_directions, dtype=np.float64)
         if origins.shape != directions.shape:
             raise ValueError(
                 f"ray_origins has shape {origins.shape}, ray_directions {directions.shape}: expected equal shapes"
             )
-        lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-        directions /= np.where(lengths > 0, lengths, 1)
-        return scene, (origins - origin) * scale, directions, origin, scale
+        origins, directions = placement.to_scene(origins), unit(directions)
+        entries = placement.entries(origins, directions)
+        rays = np.nonzero(np.isfinite(entries))[0]
+        directions = directions[rays]
+        return scene, placement, rays, origins[rays] + entries[rays, None] * directions, directions
 
     def memory_bytes(self):
         """Memory of the triangles and their tree."""
@@ -262,40 +397,41 @@ class RayMeshIntersector:
 
     def intersects_first(self, ray_origins, ray_directions):
         """Returns (n,) int64: the first triangle that each ray hits, or -1."""
-        scene, origins, directions, _, _ = self._prepare(ray_origins, ray_directions)
-        return scene.closest(origins, directions, np.zeros(len(origins), np.float32))[0]
+        scene, _, rays, origins, directions = self._prepare(ray_origins, ray_directions)
+        first = np.full(len(ray_origins), -1, np.int64)
+        first[rays] = scene.closest(origins, directions, np.full(len(origins), BEFORE_ALL))[0]
+        return first
 
     def intersects_any(self, ray_origins, ray_directions):
         """Returns (n,) bool: True if the ray hits the mesh."""
         return self.intersects_first(ray_origins, ray_directions) != -1
 
     def intersects_id(
-        self, ray_origins, ray_directions, multiple_hits=True, max_hits=20, return_locations=False
+        self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False
     ):
         """Returns the triangles and the rays of all hits, and if requested their locations.
 
-        Hits of one ray at the same distance, for example at an edge, count as one.
+        max_hits: most hits per ray, the closest ones; None for all. Hits of one ray at the same distance, or at
+        adjacent floats of 32 bits, for example at an edge, count as one.
         """
-        scene, origins, directions, origin, scale = self._prepare(ray_origins, ray_directions)
+        scene, placement, rays, origins, directions = self._prepare(ray_origins, ray_directions)
         active = np.arange(len(origins))
-        near = np.zeros(len(origins), np.float32)
-        triangles, rays = [], []
-        for _ in range(max_hits if multiple_hits else 1):
-            found, distances = scene.closest(origins[active], directions[active], near[active])
+        previous = np.full(len(origins), BEFORE_ALL)
+        hits = []  # (triangles, indices of their rays, distances)
+        for _ in range(1) if not multiple_hits else itertools.count() if max_hits is None else range(max_hits):
+            found, distances = scene.closest(origins[active], directions[active], previous[active])
             hit = found != -1
             active = active[hit]
             if len(active) == 0:
                 break
-            triangles.append(found[hit])
-            rays.append(active)
-            # Tracing the same ray again returns the same distance for the same triangle.
-            near[active] = np.nextafter(distances[hit], np.float32(np.inf))
-        index_tri = np.concatenate(triangles) if triangles else np.zeros(0, np.int64)
-        index_ray = np.concatenate(rays) if rays else np.zeros(0, np.int64)
+            hits.append((found[hit], active, distances[hit]))
+            previous[active] = distances[hit]
+        hits.append((np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.float32)))
+        triangles, of_hits, distances = map(np.concatenate, zip(*hits))
         if not return_locations:
-            return index_tri, index_ray
-        return index_tri, index_ray, self._locations(index_tri, origins[index_ray] / scale + origin,
-                                                     directions[index_ray])
+            return triangles, rays[of_hits]
+        locations = self._locations(placement, triangles, origins[of_hits], directions[of_hits], distances)
+        return triangles, rays[of_hits], locations
 
     def intersects_location(self, ray_origins, ray_directions, multiple_hits=True):
         """Returns locations (m, 3), rays (m,) and triangles (m,) of all hits."""
@@ -310,13 +446,21 @@ class RayMeshIntersector:
 
         return contains_points(self, points)
 
-    def _locations(self, triangles, origins, directions):
-        """Where rays hit the planes of their triangles, in double precision."""
-        corners = np.asarray(self.mesh.vertices, dtype=np.float64)[np.asarray(self.mesh.faces)[triangles]]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        along = (normals * directions).sum(axis=1)
-        distances = (normals * (corners[:, 0] - origins)).sum(axis=1) / along
-        return origins + distances[:, None] * directions
+    def _locations(self, placement, triangles, origins, directions, distances):
+        """Where rays hit the planes of their triangles, in double precision.
+
+        A triangle of no area, or of almost none, has no such plane. The location is then where the ray was traced to,
+        with the precision of floats of 32 bits.
+        """
+        vertices = np.asarray(self.mesh.vertices, dtype=np.float64)
+        corners = placement.to_scene(vertices[np.asarray(self.mesh.faces)[triangles]])
+        normals = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+        with np.errstate(all="ignore"):
+            along = (normals * (corners[:, 0] - origins)).sum(axis=1) / (normals * directions).sum(axis=1)
+            points = origins + along[:, None] * directions
+            exact = on_triangles(points, corners, placement.rounding)
+        traced = origins + distances[:, None].astype(np.float64) * directions
+        return placement.to_mesh(np.where(exact[:, None], points, traced))
 
     def __getstate__(self):
         return dict(self.__dict__, _built=None)

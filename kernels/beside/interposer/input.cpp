@@ -4,6 +4,7 @@
 #include "input.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -141,7 +142,11 @@ void Input::applyCage(CbvhSurface surface) const
   cage.creaseSharpness = creaseWeights.data;
   cage.numCorners = std::min(corners.count, cornerWeights.count);
   cage.corners = corners.data;
-  cage.cornerSharpness = cornerWeights.data;
+  /* Embree rounds corners of any finite sharpness, from 10 on all like this one. In cbvh.h, 10 means infinity. */
+  const float sharpest = std::nextafter(10.0f, 0.0f);
+  std::vector<float> sharpness(cornerWeights.data, cornerWeights.data + cage.numCorners);
+  for (float& s : sharpness) if (std::isfinite(s)) s = std::min(s, sharpest);
+  cage.cornerSharpness = sharpness.data();
   cage.numHoles = holes.count;
   cage.holes = holes.data;
   if (displacement) {

@@ -44,9 +44,7 @@ namespace embree
       Ref<TaskScheduler> scheduler = new TaskScheduler;
       scheduler->spawn_root(closure,1,true);
 #else
-      tbb::task_group_context context(tbb::task_group_context::isolated,
-        tbb::task_group_context::default_traits | tbb::task_group_context::fp_settings);
-      tbb::parallel_for(size_t(0),size_t(1),size_t(1),[&] (size_t) { closure(); },context);
+      runIsolated(closure);
 #endif
     }
 
@@ -213,7 +211,7 @@ namespace embree
     }
   }
 
-  bool beginCommit (SubdivMesh* mesh)
+  static bool beginCommitOf (SubdivMesh* mesh)
   {
     const bool hasInput = mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices;
     if (!discardOutdatedBlocks(mesh,hasInput,"vertices, faces and indices")) return false;
@@ -231,7 +229,7 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (GridMesh* mesh)
+  static bool beginCommitOf (GridMesh* mesh)
   {
     if (!discardOutdatedBlocks(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids")) return false;
     const bool isRequested = requestsCompression(mesh);
@@ -277,15 +275,32 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads"); }
-  bool beginCommit (TriangleMesh* mesh) {
+  static bool beginCommitOf (QuadMesh* mesh) {
+    return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads");
+  }
+  static bool beginCommitOf (TriangleMesh* mesh) {
     return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->triangles,"triangles");
   }
+
+  /*! Uncompressed geometries are checked without tasks. */
+  template<typename Mesh>
+  static bool beginIsolatedCommit (Mesh* mesh)
+  {
+    if (!requestsCompression(mesh)) return beginCommitOf(mesh);
+    bool changed = false;
+    runIsolated([&] { changed = beginCommitOf(mesh); });
+    return changed;
+  }
+
+  bool beginCommit (SubdivMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (GridMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (QuadMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (TriangleMesh* mesh) { return beginIsolatedCommit(mesh); }
 
   void endCommit (SubdivMesh* mesh)
   {
     CageMemory::freeSortedEdges(mesh);
-    markUnsupportedFaces(mesh);
+    runIsolated([&] { markUnsupportedFaces(mesh); });
     if (buildBlocksNow(mesh)) CageMemory::releaseInput(mesh);
   }
 

@@ -22,12 +22,11 @@
 
 namespace embree
 {
-  /*! Throws after printing and storing the message, because no device exists yet to report it. */
+  /*! Throws after printing the message, because no device exists yet to report it. */
   static void throwInvalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
     std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
-    storeSettingError(message);
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 

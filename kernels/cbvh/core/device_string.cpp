@@ -142,8 +142,6 @@ namespace embree
       }
       return "";
     }
-
-    thread_local std::string lastError;
   }
 
   std::string nearestName (const std::string& name, const std::vector<std::string>& names)
@@ -192,14 +190,5 @@ namespace embree
       if (!valueError.empty()) return valueError;
     }
     return "";
-  }
-
-  void storeSettingError (const std::string& message) { lastError = message; }
-
-  std::string fetchSettingError ()
-  {
-    std::string error;
-    error.swap(lastError);
-    return error;
   }
 }

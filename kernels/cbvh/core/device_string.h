@@ -4,8 +4,8 @@
 #pragma once
 
 /* Checks device strings such as "threads=4,isa=avx2", because Embree ignores unknown keys and many invalid values.
- * Also finds similar names and stores errors of settings, for messages. Independent of Embree, because the interposer
- * compiles it, too. Thread-safe. */
+ * Also finds similar names, for messages. Independent of Embree, because the interposer compiles it, too.
+ * Thread-safe. */
 
 #include <string>
 #include <vector>
@@ -25,11 +25,4 @@ namespace embree
    *  invalid key and a similar valid one, or with the first invalid value and what is accepted. deviceString: may be
    *  null. */
   std::string findDeviceStringError (const char* deviceString);
-
-  /*! Returns and clears the message of the last setting of a device string or of EMBREE_CBVH that this thread rejected,
-   *  or an empty string. */
-  std::string fetchSettingError ();
-
-  /*! Stores a message for fetchSettingError() on the same thread. */
-  void storeSettingError (const std::string& message);
 }

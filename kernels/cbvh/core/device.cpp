@@ -1,0 +1,20 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "device.h"
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace core
+  {
+    Device* newDevice (const char* deviceString)
+    {
+      static MutexSys mutex; // like rtcNewDevice's
+      Lock<MutexSys> lock(mutex);
+      Device* const device = new Device(deviceString);
+      device->refInc();
+      return device;
+    }
+  }
+}
