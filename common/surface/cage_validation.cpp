@@ -72,6 +72,11 @@ void checkFaces(const Cage& cage)
   }
 }
 
+std::string counted(size_t n, const char* one, const char* many)
+{
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
 using Edge = std::pair<unsigned, unsigned>;
 
 Edge ordered(Edge edge)
@@ -109,7 +114,7 @@ void removeCreasesWithoutEdge(Cage& cage, std::string& warnings)
   if (!removed.empty())
     warnings += cage.name + ": a crease joins the vertices " + std::to_string(removed[0].first + 1) + " and " +
                 std::to_string(removed[0].second + 1) + ", which share no edge, and is ignored" +
-                (removed.size() == 1 ? "" : ", like " + std::to_string(removed.size() - 1) + " others") + "\n";
+                (removed.size() == 1 ? "" : ", like " + counted(removed.size() - 1, "other", "others")) + "\n";
 }
 
 std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
@@ -123,11 +128,6 @@ std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
   if (!refiner || !lastReport.empty())
     throw Error(cage.name + ": OpenSubdiv: " + oneLine(lastReport.empty() ? "invalid topology" : lastReport));
   return refiner;
-}
-
-std::string counted(size_t n, const char* one, const char* many)
-{
-  return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
 void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)

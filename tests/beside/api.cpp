@@ -873,13 +873,13 @@ TEST(Beside, MeshesAreStoredFromOneTriangleOn)
     ASSERT_EQ(group.committed, CBVH_OK) << cbvhGetErrorText();
     CbvhRayHit ray = rayFromAbove();
     ray.ray.org_x = 0.7f;
-    ray.ray.org_y = 0.3f;
+    ray.ray.org_y = 0.1f;
     EXPECT_EQ(cbvhIntersect1(group, &ray, nullptr), 1);
     EXPECT_EQ(ray.ray.tfar, 5);
     EXPECT_EQ(ray.hit.primID, 0u);
     ray = rayFromAbove();
-    ray.ray.org_x = 0.3f;
-    ray.ray.org_y = 0.7f;
+    ray.ray.org_x = 0.4f;
+    ray.ray.org_y = 0.9f;
     EXPECT_EQ(cbvhOccluded1(group, &ray.ray, nullptr), corners == 4);
   }
 }

@@ -237,14 +237,14 @@ TEST(CageValidation, WarnsOfFacesThatVanishWithoutBoundary)
 
 TEST(CageValidation, IgnoresCreasesWithoutEdge)
 {
-  Cage cage = creasedQuads({1.5f, 1.5f});
+  Cage cage = creasedQuads({2.0f, 2.0f});
   cage.creaseEdges.insert(cage.creaseEdges.begin(), {{4, 0}, {5, 8}, {6, 2}});
-  cage.creaseSharpness.insert(cage.creaseSharpness.begin(), {2.0f, 3.0f, 4.0f});
+  cage.creaseSharpness.insert(cage.creaseSharpness.begin(), {1.0f, 3.0f, 4.0f});
   const Checked result = checked(cage);
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "crease", "vertices 5 and 1,", " edge", " 1 other"}));
   EXPECT_EQ(linesOf(result.warnings), 1);
   EXPECT_EQ(result.cage.creaseEdges.size(), 3u);
-  EXPECT_EQ(result.cage.creaseSharpness, (std::vector<float>{3.0f, 1.5f, 1.5f}));
+  EXPECT_EQ(result.cage.creaseSharpness, (std::vector<float>{3.0f, 2.0f, 2.0f}));
 }
 
 TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)

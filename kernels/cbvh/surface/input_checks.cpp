@@ -90,8 +90,9 @@ namespace embree
       if (count == 0) return;
       const SubdivMesh::Edge pair = mesh->edge_creases[first];
       warnings.push_back("crease " + std::to_string(first) + " joins the vertices " + std::to_string(pair.v0) + " and "
-          + std::to_string(pair.v1) + (count == 1 ? "" : ", and " + std::to_string(count-1) + " others join vertices")
-          + " that share no edge, and is ignored: expected two vertices that follow each other in a face");
+          + std::to_string(pair.v1) + ", which share no edge"
+          + (count == 1 ? ": it is ignored" : ", like " + std::to_string(count-1) + (count == 2 ? " other" : " others")
+             + ": they are ignored"));
     }
   }
 
