@@ -88,7 +88,10 @@ def main():
     scale_folder = options.scale or ROOT / "output/benchmark/scale"
     sections = contents.sections(data, against, options.folder.resolve().name, scale_folder)
     first, commands = summary.first_screen(data), data.table.command.drop_duplicates()
-    subject = "the evaluation of Lier, Martinek, Stamminger and Selgrad (2018), made again by one command."
+    evaluation, missing = "the evaluation of Lier, Martinek, Stamminger and Selgrad (2018)", data.missing_paper_scenes()
+    subject = f"{evaluation}, made again by one command."
+    if missing:
+        subject = f"a part of {evaluation}. Not measured: {', '.join(missing)}."
     if data.is_own():
         subject = f"what they save and cost for {', '.join(data.scenes())}."
     write(page, render("page.html", sections=sections, first=first, subject=subject, csv=csv.name))

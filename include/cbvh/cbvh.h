@@ -338,7 +338,7 @@ CBVH_API enum CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const struct Cbv
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicingArguments* dicing, float* rates);
 
 /* Sets the accuracy of all later commits. A commit without new input fails if the accuracy changed, because
- * the earlier commit released the input.
+ * the earlier commit released the input. The same values again, or values that are ignored, are no change.
  *
  * accuracy: structSize is read. NULL selects the defaults.
  *

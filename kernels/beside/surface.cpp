@@ -376,7 +376,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
   if (!pending) {
     if (!current)
       throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh: set one of them first"};
-    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0 || isLossless != committedLossless)
+    if (!core::selectSameBlocks(settingsOf(accuracy, isLossless), committedSettings))
       throw Failure{CBVH_ERROR_INVALID_OPERATION,
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
@@ -407,8 +407,11 @@ embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accura
   settings.releasesInput = true;
   settings.storesSmallMeshes = true; // the application may have no other way to trace them
   settings.warnsOfFaces = false; // cbvhCommitGroup reports them
-  if (isLossless) settings.maxError = 0;
-  else if (accuracy.maxError > 0) settings.maxError = accuracy.maxError;
+  if (isLossless) {
+    settings.maxError = 0; // ignores the accuracy
+    return settings;
+  }
+  if (accuracy.maxError > 0) settings.maxError = accuracy.maxError;
   settings.maxPixelError = accuracy.maxPixelError;
   std::copy_n(accuracy.cameraPosition, 3, settings.cameraPosition);
   settings.pixelSize = accuracy.pixelSize;
@@ -438,8 +441,7 @@ void CbvhSurfaceTy::commitInput()
     throw Failure{CBVH_ERROR_INVALID_OPERATION, std::string("the mesh is not stored: its quads or triangles ") + why};
   }
   current = std::move(pending);
-  committedAccuracy = accuracy;
-  committedLossless = isLossless;
+  committedSettings = settings;
   appliedMask = mask;
   if (failure) throw failure;
 }

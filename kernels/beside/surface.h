@@ -116,8 +116,9 @@ private:
   void setPending(InputPtr input);
 
   InputPtr current, pending;    // input of the last commit or load(), and of the next commit
-  CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy(); // of the next and the last commit
-  bool isLossless = false, committedLossless = false;
+  CbvhAccuracy accuracy = CbvhAccuracy(); // of the next commit
+  bool isLossless = false;                // the same
+  embree::CompressionSettings committedSettings = settingsOf(accuracy, isLossless);
   unsigned int mask = ~0u, appliedMask = ~0u; // value of setMask(), and value of the committed geometry
   std::atomic<bool> isChanging{false}; // set while a ChangeScope exists
   std::atomic<bool> isPendingInUse{false}; // set while callbacks of the pending input may be called

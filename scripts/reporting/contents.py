@@ -27,7 +27,7 @@ class Section:
 
 
 def texts(main):
-    """Returns all sections without parts. main: the main scene."""
+    """Returns all sections without parts. main: the scene that stands for the paper's T-rex."""
     found = []
     for line in TEXTS.read_text(encoding="utf-8").replace("{main}", main).splitlines():
         if line.startswith(" "):
@@ -48,7 +48,7 @@ def sections(data, against=None, source="", scale_folder=""):
         "robustness": checks.section(data), "hard": checks.hard_cases(HARD_CASES), "all": measurements.section(data),
         "run": noise.section(data, against, source),
     }  # fmt: skip
-    shown = texts(data.main_scene())
+    shown = texts(data.paper_scene())
     for section in shown:
         section.parts, commands = found[section.name]
         section.commands = list(dict.fromkeys(commands))

@@ -10,6 +10,7 @@ from . import records
 
 KINDS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
+PAPER_SCENES = ("trex", "cube", "frog", "scythe", "knee")
 RAY_SETS = ("coherent", "incoherent")
 SAME = ["scene", "level", "representation"]
 WEIGHT = ["run_settings_repeat", "view_count", "run_settings_true_surface_hits", "run_date"]
@@ -77,10 +78,18 @@ class Data:
     def scenes(self):
         """Returns the scenes, the main one first: trex, or else the largest."""
         sizes = self.here.groupby("scene").quads.max().to_dict()
-        return sorted(sizes, key=lambda scene: (scene != "trex", -sizes[scene], scene))
+        return sorted(sizes, key=lambda scene: (scene != PAPER_SCENES[0], -sizes[scene], scene))
 
     def main_scene(self):
-        return next(iter(self.scenes()), "trex")
+        return next(iter(self.scenes()), PAPER_SCENES[0])
+
+    def paper_scene(self):
+        """The scene of the paper's figures 11, 12, 16 and 17, measured or not: trex, or else the user's main cage."""
+        return self.main_scene() if self.is_own() else PAPER_SCENES[0]
+
+    def missing_paper_scenes(self):
+        """Returns the paper's scenes that no job measured on a processor; none for a user's cages."""
+        return [] if self.is_own() else [scene for scene in PAPER_SCENES if scene not in set(self.here.scene)]
 
     def levels(self, scene):
         return sorted(set(self.here[self.here.scene == scene].level))

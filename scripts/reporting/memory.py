@@ -39,7 +39,7 @@ def section(data):
     skipped."""
     levels, commands = [], []
     for level in LEVELS:
-        rows, charts = [data.pick(data.main_scene(), level, label) for label in LABELS], []
+        rows, charts = [data.pick(data.paper_scene(), level, label) for label in LABELS], []
         grid = getattr(rows[LABELS.index("GRID")], "memory_live_bytes", None)
         rows = [row for row in rows if row is not None]
         small = [row for row in rows if grid and 4 * row.memory_live_bytes <= grid]

@@ -49,21 +49,23 @@ def pictures(data, wanted, what):
 
 
 def figure_10(data):
+    if data.is_own():  # also if the user's cage is named cube
+        return [], []
     wanted = [("cube", 6, f"{kind}^{n}", "full") for kind in ("cVOXEL", "cLEAF-only") for n in (2, 3, 4)]
     return pictures(data, wanted, "error_map")
 
 
 def figure_11(data):
     """The third picture shows the finest measured level; the paper's shows level 8."""
-    main, level = data.main_scene(), data.picture_level()
+    main, level = data.paper_scene(), data.picture_level()
     fine = max([n for n in data.levels(main) if data.pick(main, n, "cVOXEL^4", "close") is not None] or [8])
     wanted = [(main, level, label, "close") for label in ("cVOXEL^3", "cLEAF-only^2")]
     return pictures(data, [*wanted, (main, fine, "cVOXEL^4", "close")], "error_map")
 
 
 def portraits(data):
-    """Figures 12 to 15 and 18, each after a title; for a user's cage, the figures of the main scene."""
-    main, parts, commands = data.main_scene(), [], []
+    """Figures 12 to 15 and 18, each after a title; for a user's cage, only the figures of the T-rex."""
+    main, parts, commands = data.paper_scene(), [], []
     shown = [("12", main, "close", PORTRAIT), ("12, whole", main, "full", PORTRAIT), ("13", "frog", "close", PORTRAIT)]
     shown += [("14", "scythe", "close", PORTRAIT), ("15", "knee", "close", PORTRAIT)]
     shown += [("18, five-fold displacement", "cube:0.45", "full", ("GRID", "cVOXEL^3", "cLEAF-only^3"))]
@@ -92,7 +94,7 @@ def bars(axes, title, rows):
 
 
 def figure_16(data):
-    main, rows, here = data.main_scene(), [], data.here
+    main, rows, here = data.paper_scene(), [], data.here
     views = data.full[(data.full.scene == main) & data.full.level.isin(LEVELS) & data.full.representation.isin(LABELS)]
     single = (here.what == "speed") & (here["mode"] == "single") & (here.threads == 1) & (here["query"] == "closest")
     speeds = here[single & (here["view"] == "full") & here.result.isin(views.result)]
@@ -102,5 +104,5 @@ def figure_16(data):
         found, paper = ratios(data, kind, main), [f"{value}%" for value in PAPER_SPEEDS.get(kind, ())] or ["-"] * 3
         if len(found):
             rows.append([kind, *(f"{value:.0f}%" for value in (found.min(), found.mean(), found.max())), *paper])
-    heads = ["relative to GRID", "min", "mean", "max", "paper: min", "paper: mean", "paper: max"]
+    heads = ["relative to GRID", "min", "mean", "max", *(f"paper's T-rex: {name}" for name in ("min", "mean", "max"))]
     return [charts, Table(heads, rows)] if charts else [], speeds.command

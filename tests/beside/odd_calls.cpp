@@ -321,6 +321,39 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
+// The first commit releases the input. Values that select the same blocks are no change of the accuracy: repeated ones,
+// a camera without a bound in pixels, the sign of 0, and any accuracy of a lossless surface, which ignores it.
+TEST_F(OddCalls, AccuracyThatSelectsTheSameBlocksIsNoChange)
+{
+  const CbvhCage cage = cube();
+  for (int lossless : {0, 1}) {
+    SCOPED_TRACE(lossless);
+    ASSERT_EQ(cbvhSetSurfaceLossless(surface, lossless), CBVH_OK);
+    ASSERT_EQ(cbvhSetSurfaceAccuracy(surface, nullptr), CBVH_OK);
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    CbvhAccuracy accuracy = CbvhAccuracy();
+    const auto commit = [&] {
+      EXPECT_EQ(cbvhSetSurfaceLossless(surface, lossless), CBVH_OK);
+      EXPECT_EQ(cbvhSetSurfaceAccuracy(surface, &accuracy), CBVH_OK) << cbvhGetErrorText();
+      return cbvhCommitSurface(surface, nullptr, nullptr);
+    };
+    EXPECT_EQ(commit(), CBVH_OK) << cbvhGetErrorText();
+    accuracy.maxError = -0.0f;
+    accuracy.cameraPosition[1] = 3;
+    EXPECT_EQ(commit(), CBVH_OK) << cbvhGetErrorText();
+    accuracy.maxError = 0.25f;
+    EXPECT_EQ(commit(), lossless ? CBVH_OK : CBVH_ERROR_INVALID_OPERATION) << cbvhGetErrorText();
+    accuracy.maxError = 0;
+    accuracy.maxPixelError = accuracy.pixelSize = 0.5f;
+    EXPECT_EQ(commit(), lossless ? CBVH_OK : CBVH_ERROR_INVALID_OPERATION) << cbvhGetErrorText();
+    accuracy = CbvhAccuracy();
+    EXPECT_EQ(commit(), CBVH_OK) << "the accuracy of the commit again: " << cbvhGetErrorText();
+  }
+  ASSERT_EQ(cbvhSetSurfaceLossless(surface, 0), CBVH_OK);
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);
+}
+
 // The attribute equals u and v, so the interpolated values must equal the arguments of the displacement.
 TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
 {

@@ -93,6 +93,23 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
   }
 }
 
+// Their halves would need numbers of 33 bits. All quads have the same indices, because the stride is 0.
+TEST(CommitLine, TooManyQuadsAreNotCompressed)
+{
+  const std::string text = commitTextOf("", [](RTCDevice device, RTCScene) {
+    const float vertices[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0};
+    const unsigned indices[] = {0, 1, 2, 3};
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, 12, 4);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, indices, 0, 0,
+                               (size_t(1) << 31) + 1);
+    rtcCommitGeometry(geometry);
+    EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_NONE);
+    rtcReleaseGeometry(geometry);
+  });
+  EXPECT_TRUE(containsInOrder(text, {"not compressed", "2147483649 quads", "2147483648"}));
+}
+
 TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
 {
   const std::string line = commitLineOf("", [](RTCDevice device, RTCScene scene) {

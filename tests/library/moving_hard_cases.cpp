@@ -271,13 +271,15 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   return all;
 }
 
-// Ranges that end before 0, begin after 1, or touch these limits: nothing is visible or read out of bounds.
+// Ranges that end before 0, begin after 1, or touch these limits: nothing is read out of bounds, and surfaces are visible
+// only at the instant that their range touches.
 TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
 {
   const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};
   size_t commits = 0;
   for (const char* config : {"", "subdiv_accel=cbvh"}) {
     Device device(config);
+    const bool isCompressed = *config != 0;
     Random random(seed + 7);
     const std::vector<RTCRayHit> rays = raysAt(random, 200);
     for (Size size : {Size::Primitive, Size::Block, Size::Many})
@@ -292,9 +294,16 @@ TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
             ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
             commits++;
             if (times[e] > 0 && times[b] < 1) continue;
-            for (RTCRayHit ray : rays) {
-              ray.ray.time = times[e] <= 0 ? 0.25f : 0.75f;
-              ASSERT_FALSE(isHit(intersect(scene, ray)));
+            for (float time : {0.0f, 0.25f, 0.75f, 1.0f}) {
+              size_t hits = 0;
+              for (RTCRayHit ray : rays) {
+                ray.ray.time = time;
+                hits += isHit(intersect(scene, ray));
+              }
+              // Embree's kernels leave out such geometry; small meshes are left to Embree
+              const bool isVisible = isCompressed && (times[b] == time || times[e] == time) &&
+                                     (size != Size::Primitive || name == "cage");
+              ASSERT_EQ(hits > 0, isVisible) << "time " << time;
             }
           }
   }

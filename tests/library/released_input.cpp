@@ -87,6 +87,53 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
   }
 }
 
+// Compression that selects the same blocks is no change: they remain. Any other compression is refused until the input
+// is set again. Embree's own setters always count: functions and user data may return other values than before.
+TEST(ReleaseInput, RepeatedCompressionIsNoChange)
+{
+  Device device("cbvh_release_input=1");
+  SurfaceSettings settings;
+  settings.rate = 32;
+  settings.compression = RTC_COMPRESSION_CVERT;
+  RTCGeometry geometry = newSurface(device, sheetCage(8), settings);
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+  const auto compress = [&](RTCGeometry g, bool isSame) { // as newSurface()
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = settings.compression;
+    args.fallbackFaces = settings.fallbackFaces;
+    if (!isSame) args.maxError = 0.125f;
+    rtcSetGeometryCompression(g, &args);
+  };
+  const auto expect = [&](bool isAccepted, const char* what) {
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(device.takeError() == RTC_ERROR_NONE, isAccepted) << what << ": " << device.message;
+    device.takeError();
+  };
+  for (bool hides : {false, true}) {
+    if (hides) rtcSetGeometryMask(geometry, 1); // next to a change that keeps the blocks
+    compress(geometry, true);
+    expect(true, "the same compression");
+    EXPECT_TRUE(isHit(intersect(scene, down)));
+  }
+  rtcReleaseGeometry(geometry);
+  for (const auto& change : std::vector<std::function<void(RTCGeometry)>>{
+         [&](RTCGeometry g) { compress(g, false); },
+         [](RTCGeometry g) { rtcSetGeometryTessellationRate(g, 16); },
+         [](RTCGeometry g) { rtcSetGeometryUserData(g, nullptr); },
+         [](RTCGeometry g) { rtcSetGeometryDisplacementFunction(g, nullptr); }}) {
+    RTCGeometry other = newSurface(device, sheetCage(8), settings);
+    change(other);
+    geometry = other;
+    expect(false, "a change");
+    rtcReleaseGeometry(other);
+  }
+}
+
 // The topology is released, too, if the geometry has no attributes when it is committed.
 TEST(ReleaseInput, LaterAttributesCannotBeInterpolated)
 {

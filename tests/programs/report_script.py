@@ -412,8 +412,8 @@ class Report(unittest.TestCase):
             self.assertGreaterEqual(min(parts.values()), 0, row.representation)
 
     def test_compact_mode_stands_next_to_naive(self):
-        data, both = self.data(), ["NAIVE", "NAIVE-compact"]
-        naive, compact = (data.pick("cube", 6, label) for label in both)
+        data, both = self.data(self.folder_of("compact", trex=self.record())), ["NAIVE", "NAIVE-compact"]
+        naive, compact = (data.pick("trex", 6, label) for label in both)
         self.assertLess(compact.memory_live_bytes, 0.8 * naive.memory_live_bytes)
         drawn = {}
         keep = lambda text, height, draw, *rest: drawn.update({text: rest}) or figures.Picture(text, "svg+xml", b"")
@@ -428,7 +428,7 @@ class Report(unittest.TestCase):
         self.assertLessEqual(set(both), set(drawn["Speed, coherent rays"][1].representation))
         self.assertLessEqual(set(both), set(drawn["Memory over the number of quads"][-1].representation))
         for table in levels.section(data)[0]:
-            if table.title != f"cube: {levels.FALLBACK}":
+            if table.title != f"trex: {levels.FALLBACK}":
                 self.assertEqual([row[0] for row in table.rows][:3], [*both, "GRID"], table.title)
         fronts = [rest[0] for text, rest in drawn.items() if "against error" in text]
         self.assertTrue(fronts)
@@ -580,6 +580,72 @@ class Report(unittest.TestCase):
         for record in (old, new):
             (folder / scale.RECORD).write_text(json.dumps(record))
             self.assertEqual(scale.read(folder), new)
+
+    def folder_of(self, name, **records):
+        """Returns a new folder with the records, each as if it were measured for another scene."""
+        folder = Path(self.temporary.name) / name
+        folder.mkdir()
+        for scene, record in records.items():
+            for group in record["groups"]:
+                group["scene"] = scene
+            (folder / f"{scene}_L2-6.json").write_text(json.dumps(record))
+        return folder
+
+    def test_what_was_not_measured_has_no_verdict(self):
+        """The job cube_fivefold alone measures none of what the paper states about its T-rex."""
+        folder = self.folder_of("part", **{"cube:0.45": self.record()})
+        shutil.copytree(self.records / "pictures", folder / "pictures")
+        done = self.run_without_charts(folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        table, _ = relations.section(self.data(folder))
+        self.assertGreater(len(table[0].rows), 10)
+        for claim, _, ours, says in table[0].rows:
+            self.assertNotIn("cube:0.45", claim)
+            self.assertEqual((ours, says), ("not measured", "not measured"), claim)
+        html = (folder / "report.html").read_text()
+        bodies = sections_of(html)
+        for name in ("figure11", "figure16", "figure17"):
+            self.assertIn("No data", bodies[name])
+            self.assertIn("trex", bodies[name])
+            self.assertNotIn("cube:0.45", bodies[name])
+        self.assertIn("Figure 12: trex", bodies["pictures"])
+        self.assertNotIn("Figure 12: cube", bodies["pictures"])
+        self.assertIn("Figure 18, five-fold displacement: cube:0.45", bodies["pictures"])
+        self.assertIn("Not measured: trex, cube, frog, scythe, knee", html.split("<nav")[0])
+        self.assertIn("cube:0.45 at level 6", html.split("<nav")[0], "the first screen names its scene")
+
+    def test_means_over_levels_need_all_levels(self):
+        """A relation over levels 4 to 6, both ray sets."""
+        claims = "speed of cVOXEL|speed of cLEAF-only|is slower than"
+        def judged(levels, change=lambda result: None):
+            record = self.record()
+            group = next(group for group in record["groups"] if group["level"] == 6)
+            for result in group["results"]:
+                change(result)
+            fine = [r for r in group["results"] if r["representation"] == "cVOXEL^2"]
+            group["results"] += [{**r, "representation": "cVOXEL^4", "frame_level": 4} for r in fine]
+            record["groups"] = [{**group, "level": level} for level in levels]
+            folder = self.folder_of(f"levels {levels} {change.__name__}", trex=record)
+            return [r.holds is not None for r in relations.relations(self.data(folder)) if re.search(claims, r.claim)]
+        def without_incoherent(result):
+            result["speed"] = [speed for speed in result["speed"] if speed["ray_set"] != "incoherent"]
+        self.assertEqual(judged([4, 5, 6]), [True] * 3)
+        for levels in ([6], [4, 6], [5, 6, 7]):
+            self.assertFalse(any(judged(levels)), levels)
+        self.assertFalse(any(judged([4, 5, 6], without_incoherent)))
+
+    def test_own_cage_is_not_compared_with_the_papers_scenes(self):
+        """Also if its name is the name of one of them."""
+        for name in ("cube", "trex"):
+            record = self.record()
+            record["run"]["command"] = record["run"]["command"].replace("--scene cube", f"--cage {name}.obj")
+            data = self.data(self.folder_of(f"own {name}", **{name: record}))
+            self.assertTrue(data.is_own())
+            self.assertEqual(relations.section(data), ([], []))
+            self.assertEqual(paper.figure_10(data), ([], []))
+            with unittest.mock.patch.object(figures, "chart", lambda *_: figures.Picture("", "svg+xml", b"")):
+                heads = paper.figure_16(data)[0][1].heads
+            self.assertEqual([head for head in heads if "paper" in head and "T-rex" not in head], [])
 
     def own_records(self, name):
         """Returns the records as if they were measured for a user's cage."""

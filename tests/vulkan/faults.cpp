@@ -78,6 +78,14 @@ void begins(VkDevice, const VkMemoryAllocateInfo* info, const VkAllocationCallba
   if (faults->onAllocation) faults->onAllocation(*info);
 }
 
+void begins(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags to, VkDependencyFlags, uint32_t count,
+            const VkMemoryBarrier* barriers, uint32_t, const VkBufferMemoryBarrier*, uint32_t,
+            const VkImageMemoryBarrier*)
+{
+  for (uint32_t i = 0; i < count; i++)
+    if (faults->onBarrier) faults->onBarrier(barriers[i], to);
+}
+
 void begins(VkDevice, const VkPipelineCacheCreateInfo* info, const VkAllocationCallbacks*, VkPipelineCache*)
 {
   faults->askedCache(info->initialDataSize);

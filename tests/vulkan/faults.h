@@ -58,6 +58,7 @@ public:
 
   // before the call
   std::function<void(const VkMemoryAllocateInfo&)> onAllocation;
+  std::function<void(const VkMemoryBarrier&, VkPipelineStageFlags to)> onBarrier;
 
   // The device has memory that is not visible to the host, and host memory, like most GPUs.
   bool isDiscrete = false;

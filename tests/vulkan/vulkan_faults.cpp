@@ -56,6 +56,30 @@ TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
   }
 }
 
+// An application traces in pipelines of its own: compute shaders, ray tracing pipelines, fragment shaders. It cannot
+// know what the library wrote, so the library's barriers reach all of them. Uploads are copies on a discrete device.
+TEST_F(VulkanFaults, UploadsAreVisibleToAllShadersOfTheApplication)
+{
+  faults->isDiscrete = true;
+  reopen();
+  SmallScene scene(embree);
+  size_t copies = 0, structures = 0;
+  faults->onBarrier = [&](const VkMemoryBarrier& barrier, VkPipelineStageFlags to) {
+    const bool isOfCopy = barrier.srcAccessMask == VK_ACCESS_TRANSFER_WRITE_BIT,
+               isOfStructure = barrier.srcAccessMask == VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
+    (isOfCopy ? copies : structures) += isOfCopy || isOfStructure;
+    EXPECT_TRUE(!(isOfCopy || isOfStructure) || (to & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT)) << "stages " << to;
+    EXPECT_TRUE(!isOfCopy || (barrier.dstAccessMask & VK_ACCESS_MEMORY_READ_BIT)) << barrier.dstAccessMask;
+  };
+  EXPECT_TRUE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY)) << embree.message;
+  EXPECT_GT(copies, 0u);
+  if (vulkan->handles.hasRayQuery) {
+    EXPECT_TRUE(newQueryScene(device, scene)) << embree.message;
+    EXPECT_GT(structures, 0u);
+  }
+  faults->onBarrier = nullptr;
+}
+
 // Traces rays of a scene. The rays remain unchanged if it fails.
 template<typename Ray>
 std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays, const std::vector<Ray>& expected)

@@ -5,6 +5,8 @@
 
 #include "api_fixture.h"
 
+#include <tbb/task_group.h>
+
 #include <functional>
 #include <limits>
 
@@ -238,6 +240,36 @@ TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
     limit.most = std::numeric_limits<ssize_t>::max();
     EXPECT_TRUE(newVulkanScene(mine, scene)) << other.message;
   }
+}
+
+// Other failures of Embree's builder keep their code and text, for example if the application cancels the task in which
+// it uploads a scene.
+TEST_F(VulkanScenes, UploadInACanceledTaskIsNotAboutMemory)
+{
+  const unsigned count = 50000;
+  RTCGeometry geometry = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_TRIANGLE);
+  float* vertices =
+    (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3*count);
+  unsigned* indices =
+    (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
+  Random random(5);
+  for (unsigned i = 0; i < 3*count; i++) {
+    for (int k = 0; k < 3; k++) vertices[3*i + k] = float(random.uniform());
+    indices[i] = i;
+  }
+  rtcCommitGeometry(geometry);
+  Scene scene(embree);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  tbb::task_group group;
+  bool isUploaded = true;
+  group.run_and_wait([&] {
+    group.cancel();
+    isUploaded = bool(upload(scene));
+  });
+  EXPECT_FALSE(isUploaded);
+  expectError(RTC_ERROR_UNKNOWN, {"cancel"});
+  EXPECT_TRUE(upload(scene)) << embree.message;
 }
 
 // --- accepted scenes -------------------------------------------------------------------------------

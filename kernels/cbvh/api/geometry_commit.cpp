@@ -254,6 +254,10 @@ namespace embree
     return none;
   }
 
+  /*! Triangles of mesh blocks are numbered by 32 bits, and a quad has two. */
+  static bool hasTooManyTriangles (const QuadMesh* mesh) { return mesh->size() > size_t(1) << 31; }
+  static bool hasTooManyTriangles (const TriangleMesh*) { return false; }
+
   template<typename Mesh>
   static bool beginCommitOfMesh (Mesh* mesh, bool hasInput, const char* primitives)
   {
@@ -262,7 +266,8 @@ namespace embree
     if (isRequested && hasInput) checkTimeSteps(mesh);
     const char* rejectionReason = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
-      : mesh->size() < minPrimitives && !mesh->compression.storesSmallMeshes ? "are too few to matter" : nullptr;
+      : mesh->size() < minPrimitives && !mesh->compression.storesSmallMeshes ? "are too few to matter"
+      : hasTooManyTriangles(mesh) ? "are too many: expected at most 2147483648" : nullptr;
     if (isRequested && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = tryDivideMesh(mesh);

@@ -6,6 +6,7 @@
 #include "../base/number_text.h"
 #include "../files/loaded_geometry.h"
 #include "../stored/report.h"
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -56,6 +57,15 @@ namespace embree
         "0, 1, or a negative number to inherit");
     }
 
+    bool selectSameBlocks (const CompressionSettings& a, const CompressionSettings& b)
+    {
+      const float (&from)[3] = a.cameraPosition, (&other)[3] = b.cameraPosition;
+      const bool haveSameCamera = a.pixelSize == b.pixelSize && std::equal(from,from+3,other);
+      return a.compression == b.compression && a.frameLevel == b.frameLevel && a.maxError == b.maxError
+        && a.maxPixelError == b.maxPixelError && (a.maxPixelError == 0.0f || haveSameCamera)
+        && a.fallbackFaces == b.fallbackFaces && a.storesSmallMeshes == b.storesSmallMeshes;
+    }
+
     void setCompression (Geometry* geometry, const CompressionSettings& settings)
     {
       CompressibleGeometry* const compressible = asCompressible(geometry);
@@ -65,8 +75,10 @@ namespace embree
             "RTC_GEOMETRY_TYPE_TRIANGLE can be compressed");
       requireEditable(geometry);
       validate(settings);
+      const bool isSame = selectSameBlocks(settings,compressible->compression)
+        && settings.releasesInput == compressible->compression.releasesInput;
       compressible->compression = settings;
-      geometry->Geometry::update();
+      if (!isSame) geometry->Geometry::update();
     }
 
     bool hasBlocks (Geometry* geometry)

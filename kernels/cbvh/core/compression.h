@@ -22,9 +22,14 @@ namespace embree
      *  above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for geometry of a type that
-     *  cannot be compressed, and for geometry loaded from a file. An error changes nothing. Thread safety: no other
-     *  thread may use the geometry during this call. Cost: constant. */
+    /*! True if geometries with the settings store the same blocks of the same input. Ignores the progress function, the
+     *  release of the input, and members that are set for devices only. */
+    bool selectSameBlocks (const CompressionSettings& a, const CompressionSettings& b);
+
+    /*! As rtcSetGeometryCompression. Settings that select the same blocks are no change of the geometry. Errors: as
+     *  validate(); RTC_ERROR_INVALID_OPERATION for geometry of a type that cannot be compressed, and for geometry
+     *  loaded from a file. An error changes nothing. Thread safety: no other thread may use the geometry during this
+     *  call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
     /*! True if a geometry has blocks. A changed geometry keeps them until its next commit. Thread safety: no other

@@ -172,8 +172,9 @@ void Uploader::flush()
     for (const Copy& copy : copies) device.vk.CmdCopyBuffer(commands, staging->handle, copy.to, 1, &copy.region);
     VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
-    device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+    // not only compute shaders: also builds of structures, and ray tracing pipelines of the application
+    barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT;
+    device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
                                  0, 1, &barrier, 0, nullptr, 0, nullptr);
   });
   copies.clear();

@@ -137,7 +137,8 @@ void buildTogether(Device& device, Build* builds, size_t count)
     addBarrier(device, commands, VK_ACCESS_TRANSFER_WRITE_BIT | write, VK_PIPELINE_STAGE_TRANSFER_BIT | build,
                VK_ACCESS_SHADER_READ_BIT | read, build);
     device.vk.CmdBuildAccelerationStructuresKHR(commands, uint32_t(infos.size()), infos.data(), pointers.data());
-    addBarrier(device, commands, write, build, read, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | build);
+    // also to shaders of the application, in any pipeline
+    addBarrier(device, commands, write, build, read, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT);
   });
 }
 

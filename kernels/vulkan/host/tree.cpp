@@ -4,6 +4,7 @@
 #include "tree.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <new>
@@ -62,7 +63,7 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
   }
 }
 
-/* A node or leaf of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out. */
+/* A node or leaf of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out, see RanOutOfMemory. */
 struct BuildNode
 {
   bool isLeaf;
@@ -72,9 +73,19 @@ struct BuildNode
   std::array<uint32_t, 2> primitives[cbvh::maxRunLength];     // geomID and primID
 };
 
-void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
+/* True once a node or leaf could not be allocated, on any thread: Embree reports this to that thread only. */
+typedef std::atomic<bool> RanOutOfMemory;
+
+void* allocate(RTCThreadLocalAllocator allocator, void* ranOutOfMemory)
 {
   void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
+  if (!memory) *static_cast<RanOutOfMemory*>(ranOutOfMemory) = true;
+  return memory;
+}
+
+void* createNode(RTCThreadLocalAllocator allocator, unsigned, void* ranOutOfMemory)
+{
+  void* memory = allocate(allocator, ranOutOfMemory);
   if (!memory) return nullptr;
   BuildNode* node = new (memory) BuildNode;
   node->isLeaf = false;
@@ -96,9 +107,9 @@ void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*)
 }
 
 void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
-                 void*)
+                 void* ranOutOfMemory)
 {
-  void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
+  void* memory = allocate(allocator, ranOutOfMemory);
   if (!memory) return nullptr;
   BuildNode* leaf = new (memory) BuildNode;
   leaf->isLeaf = true;
@@ -116,11 +127,9 @@ public:
 
   uint32_t depth = 0;
 
-  /* Copies a subtree, and returns a reference to the copy. nodesAbove: number of nodes above it. */
+  /* Copies a subtree without NULL, and returns a reference to the copy. nodesAbove: number of nodes above it. */
   uint32_t copySubtree(const BuildNode* from, uint32_t nodesAbove)
   {
-    if (!from)
-      throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
     if (from->isLeaf) return copyLeaf(from);
     depth = std::max(depth, nodesAbove + 1);
     const uint32_t n = tree.addNode();
@@ -176,8 +185,13 @@ Subtree Tree::build(RTCDevice device, std::vector<TreePrimitive>& primitives, un
   args.setNodeChildren = setChildren;
   args.setNodeBounds = setBounds;
   args.createLeaf = createLeaf;
+  RanOutOfMemory ranOutOfMemory(false);
+  args.userPtr = &ranOutOfMemory;
   const BuildNode* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&args)) : nullptr;
   std::vector<RTCBuildPrimitive>().swap(input);
+  if (ranOutOfMemory)
+    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
+  if (!root) throw VulkanError(RTC_ERROR_NONE, "Embree built no tree, and reported why");
   TreeCopier copier(*this);
   out.root = copier.copySubtree(root, 0);
   out.depth = copier.depth;
