@@ -259,7 +259,7 @@ CVERT_CONSTANT float inPlaneTolerance = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
 {
-  Wide t;             //!< distance; infinite or NaN if the ray is parallel to the plane
+  Wide t;             //!< distance; NaN if the ray is parallel to the plane
   Wide normalDotDir;
   Wide parallelLimit; //!< the ray counts as lying in the plane if |normalDotDir| is at most this
 };
@@ -276,7 +276,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
     height = height + product(normal.at[k],triangle.at[k][0] - org[k]);
   }
   CVERT_OF_WIDE(PlaneIntersection) at;
-  at.t = height/normalDotDir;
+  at.t = height/nonZero(normalDotDir);
   at.normalDotDir = normalDotDir;
   at.parallelLimit = Wide(inPlaneTolerance)*size;
   return at;
