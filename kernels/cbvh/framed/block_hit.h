@@ -40,7 +40,8 @@ namespace embree
         /*! Distance of a hit along the application's ray, between tnear and tfar. */
         __forceinline Real distanceAt (const Real& s) const {
           const Real sw = product(s,w0);
-          return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
+          const Real divisor = fused(w1,Real(Real(1.0f)-s),sw); // 0 only in lanes of rays without a hit
+          return min(max(fused(Real(sw/nonZero(divisor)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
         /*! Distance by which NearestHit compares a hit at distance `hitT`. */

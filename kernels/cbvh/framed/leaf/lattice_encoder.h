@@ -72,7 +72,7 @@ namespace embree
         double cut[4] = { 0,1,1,1 };
         int numPieces = 0;
         for (int axis=0; axis<2; axis++) {
-          const double t = (planes[axis][1]-a[axis])/(b[axis]-a[axis]);
+          const double t = (planes[axis][1]-a[axis])/nonZero(b[axis]-a[axis]);
           if (t > 0 && t < 1) cut[++numPieces] = t;
         }
         if (numPieces == 2 && cut[1] > cut[2]) std::swap(cut[1],cut[2]);

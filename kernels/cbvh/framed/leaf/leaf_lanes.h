@@ -83,7 +83,7 @@ namespace embree
               { groups.vertices[side.vertex[0]][axis],groups.vertices[side.vertex[1]][axis],
                 groups.vertices[side.vertex[2]][axis] };
             const Double4 lower = lattices.plane(axis,upper),
-              extent = Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower));
+              extent = nonZero(Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower)));
             const Double4 u = ((upper ? min(min(p[0],p[1]),p[2]) : max(max(p[0],p[1]),p[2]))-lower)/extent;
             double widths[4];
             ((upper ? Double4(1.0)-u : u) + groups.rounding[axis]/extent + 1e-3).store(widths);
