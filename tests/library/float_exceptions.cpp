@@ -22,7 +22,7 @@ class FloatExceptions : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, FloatExceptions, testing::Values(TEST_ISAS), nameOfIsa);
 
-// Rays at vertices and between them from all sides, along axes and in planes of faces, from the surface, and short ones.
+// Rays from all sides, along axes, in planes of faces, from the surface, and short ones.
 std::vector<RTCRayHit> raysOfAllKinds(Random& random, unsigned count)
 {
   std::vector<RTCRayHit> rays = raysAt(random, count);

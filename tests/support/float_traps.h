@@ -21,8 +21,8 @@
 namespace cbvh::test {
 
 // While an object exists, signals of trapped exceptions are counted, and the instruction is repeated with the exception
-// masked: its result is the same as without traps. Which exceptions trap is part of the floating-point state of a
-// thread; new threads inherit it. The destructor restores the state of the calling thread.
+// masked: its result is the same as without traps. The set of exceptions that trap is part of the floating-point state
+// of a thread; new threads inherit it. The destructor restores the state of the calling thread.
 class FloatTraps
 {
 public:
@@ -51,9 +51,9 @@ public:
     for (unsigned i = 0; i < maxPlaces; i++) {
       Place& place = places[i];
       if (const size_t count = place.count.exchange(0)) {
-        const char* name = place.code == FPE_FLTDIV ? "division by zero" : place.code == FPE_FLTINV ? "invalid operation"
-                           : place.code == FPE_FLTOVF ? "overflow" : place.code == FPE_FLTUND ? "denormal operand"
-                                                                                              : "exception";
+        const int code = place.code;
+        const char* name = code == FPE_FLTDIV ? "division by zero" : code == FPE_FLTINV ? "invalid operation"
+                         : code == FPE_FLTOVF ? "overflow" : code == FPE_FLTUND ? "denormal operand" : "exception";
         Dl_info info = {};
         dladdr((const void*)place.address.load(), &info);
         char line[512];

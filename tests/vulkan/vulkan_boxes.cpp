@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Which bottom levels for ray queries are the same: those over the same boxes. Requires no device. */
+/* Bottom levels for ray queries are the same if their boxes are. Requires no device. */
 
 #include "kernels/vulkan/host/boxes_key.h"
 

@@ -330,8 +330,8 @@ namespace embree
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
         const Double4 deficit = slack + groups.vertices[v][2] - surfaceHeight<v>();
-        const Double4 bins = min(deficit/nonZero(Double4(binSize)),double(latticeBins)), roundedDown = toDouble(toInt(bins)),
-          roundedUp = roundedDown + ((roundedDown < bins) & Double4(1.0));
+        const Double4 bins = min(deficit/nonZero(Double4(binSize)),double(latticeBins)),
+          roundedDown = toDouble(toInt(bins)), roundedUp = roundedDown + ((roundedDown < bins) & Double4(1.0));
         setHeight(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < deficit)) & roundedUp));
       }
 
