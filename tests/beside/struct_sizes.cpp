@@ -368,7 +368,7 @@ void expectDefaults(const T& defaults)
     untouched += !isTouched;
     if (isTouched) { EXPECT_EQ(memory[0][i], expected[i]) << "byte " << i; }
   }
-  EXPECT_LE(untouched, 8u) << "only padding";
+  EXPECT_LE(untouched, 12u) << "only padding";
 }
 
 TEST(DefaultMemberInitializers, SetAllMembers)

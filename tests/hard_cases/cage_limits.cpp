@@ -116,6 +116,8 @@ TEST_P(CageLimits, LongestRingsOfBorderVertices)
     for (RTCCompression kind : withGrid())
       ASSERT_EQ(facesBelow(FilteredScene(device, cage, settings(kind)), circle).size(), cage.faces.size())
         << kindName(kind);
+    const bool isPastEmbrees = cage.faces.size() > 63 || cage.indices.size() > 64*4; // frames do not fit its needles
+    if (isPastEmbrees && compression() != RTC_COMPRESSION_CVERT) continue;
     const Twins twins(device, cage, settings(compression()));
     Random random(61);
     const std::vector<RTCRayHit> rays = raysAt(random, 800);
