@@ -40,8 +40,8 @@ struct SpeedRounds
   /* How much the rounds differ, as a fraction of the median: in their ratio to GRID, or in their time without it. */
   double difference() const { return spreadOf(grid.empty() ? own : ratios()); }
 
-  /* How much a ratio to GRID differs from these rounds: other load may have slowed GRID down next to this scene, or next
-   * to another one. Requires GRID. */
+  /* How much a ratio to GRID differs from these rounds: other load may have slowed GRID down next to this scene, or
+   * next to another one. Requires GRID. */
   double differenceFrom(double ratio) const { return std::abs(ratio / median(ratios()) - 1.0); }
 };
 

@@ -271,8 +271,8 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   return all;
 }
 
-// Ranges that end before 0, begin after 1, or touch these limits: nothing is read out of bounds, and surfaces are visible
-// only at the instant that their range touches.
+// Ranges that end before 0, begin after 1, or touch these limits: nothing is read out of bounds, and surfaces are
+// visible only at the instant that their range touches.
 TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
 {
   const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};

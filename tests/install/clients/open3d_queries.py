@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writes results of rays to FILE.rays and closest points on a torus to FILE.points, computed by Open3D, as bytes. Prints
+"""Writes what Open3D computes as bytes: results of rays to FILE.rays, closest points on a torus to FILE.points. Prints
 the numbers of hits, of occluded rays, and of triangles that rays hit.
 
     open3d_queries.py FILE
