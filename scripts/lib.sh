@@ -87,8 +87,8 @@ configure() {
   cmake --preset "${1:-release}" ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
 }
 
-# build [PRESET [TARGET...]]: prints the progress and an estimate of the remaining time every ten seconds. The first
-# estimates are too high because the largest files are compiled first.
+# build [PRESET [TARGET...]]: prints the progress and the smallest estimate of the remaining time so far every ten
+# seconds. Estimates vary in both directions, because files at the beginning and at the end take longer than others.
 build() {
   preset=${1:-release}
   [ "$#" = 0 ] || shift
@@ -98,6 +98,7 @@ build() {
     echo "@exit $failed@"
   } | {
     shown=-10
+    least=
     while IFS= read -r line; do
       case $line in
         @exit*)
@@ -111,9 +112,14 @@ build() {
           [ "$built" -gt 0 ] && [ "$seconds" -ge $((shown + 10)) ] || continue
           shown=$seconds
           left=$((seconds * (of - built) / built))
-          minutes=$(((left + 30) / 60))
-          if [ "$left" -ge 90 ]; then left="about $minutes minutes left"; else left="a minute or two left"; fi
-          echo "  $built of $of files, $left" ;;
+          [ -n "$least" ] && [ "$left" -ge "$least" ] || least=$left
+          minutes=$((least / 60))
+          case $minutes in
+            0) left= ;;
+            1) left=", at least a minute left" ;;
+            *) left=", at least $minutes minutes left" ;;
+          esac
+          echo "  $built of $of files$left" ;;
         *) printf '%s\n' "$line" ;;
       esac
     done

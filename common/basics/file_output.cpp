@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <sys/mman.h>
 #include <vector>
 
@@ -20,6 +21,9 @@ using cvert::OutputPath;
 using cvert::UnfinishedFile;
 
 namespace {
+
+std::mutex createdFoldersMutex;
+std::vector<fs::path> createdFolders; // by prepareOutputFolder, a folder before its parents
 
 class Descriptor
 {
@@ -180,7 +184,15 @@ void writeStandardOutput(const std::string& text)
 void prepareOutputFolder(const std::string& path)
 {
   std::error_code code;
+  std::vector<fs::path> missing; // the deepest first
+  for (fs::path folder = fs::absolute(path, code); !folder.empty() && !fs::exists(folder, code);
+       folder = folder.parent_path())
+    missing.push_back(folder);
   fs::create_directories(path, code);
+  {
+    const std::lock_guard<std::mutex> lock(createdFoldersMutex);
+    createdFolders.insert(createdFolders.begin(), missing.begin(), missing.end());
+  }
   if (code || !fs::is_directory(path, code))
     throw Error(path + ": cannot create this output folder: " + (code ? code.message() : "it is a file"));
   /* Some file systems report wrong permissions, so create a file. */
@@ -192,6 +204,16 @@ void prepareOutputFolder(const std::string& path)
   {
     throw Error(path + ": cannot create files in this folder: " + e.code().message());
   }
+}
+
+void removeEmptyOutputFolders()
+{
+  const std::lock_guard<std::mutex> lock(createdFoldersMutex);
+  std::error_code ignored;
+  for (const fs::path& folder : createdFolders)
+    if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
+      fs::remove(folder, ignored);
+  createdFolders.clear();
 }
 
 } // namespace cbvh

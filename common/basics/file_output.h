@@ -55,4 +55,7 @@ void writeStandardOutput(const std::string& text);
 /* Creates a folder and its parents if necessary, and a file in it as a test. Throws Error. */
 void prepareOutputFolder(const std::string& path);
 
+/* Removes folders that prepareOutputFolder created and that are empty. For programs that fail before they write. */
+void removeEmptyOutputFolders();
+
 } // namespace cbvh

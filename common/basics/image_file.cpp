@@ -41,12 +41,21 @@ private:
   int64_t end = 0;
 };
 
+/* OpenImageIO (2.4 to 3.1) writes the rows of FITS one too late, and sometimes the wrong last pixel of a row of RLA;
+ * "null" and "term" write no file. */
+constexpr const char* incorrectWriters[] = {"fits", "rla", "null", "term"};
+
 std::unique_ptr<OIIO::ImageOutput> createOutput(const std::string& path)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
   auto output = OIIO::ImageOutput::create(extension.empty() ? "png" : extension.substr(1));
   if (!output)
     throw Error(path + ": cannot be written: " + OIIO::geterror());
+  const std::string format = output->format_name();
+  for (const char* name : incorrectWriters)
+    if (format == name)
+      throw Error(path + ": cannot be written: OpenImageIO does not write " + format +
+                  " files correctly: expected another format, such as png or tif");
   return output;
 }
 

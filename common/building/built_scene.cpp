@@ -86,6 +86,7 @@ RTCCompressionArguments compressionArguments(const BuildSettings& settings)
   const PixelBound& bound = settings.pixelBound;
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
+  args.flags = RTC_COMPRESSION_FLAG_SMALL_MESHES;
   if (bound.pixels > 0.0f)
   {
     args.maxPixelError = bound.pixels;
@@ -217,8 +218,7 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
   readStatistics();
   if (builtAs.isCompressed() && built.compression.numQuads == 0)
     std::fprintf(stderr,
-                 "%s: nothing of the mesh is compressed, because it has fewer than 256 faces or would not get smaller: "
-                 "Embree's own kernel traces it\n",
+                 "%s: nothing of the mesh is compressed: Embree's own kernel traces it\n",
                  name.c_str());
 }
 

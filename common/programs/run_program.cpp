@@ -24,6 +24,7 @@ int runProgram(const char* name, const std::function<int()>& run)
   catch (const Canceled&)
   {
     std::fprintf(stderr, "%s: canceled\n", name);
+    removeEmptyOutputFolders();
     return 130;
   }
   catch (const std::bad_alloc&)
@@ -34,6 +35,7 @@ int runProgram(const char* name, const std::function<int()>& run)
   {
     std::fprintf(stderr, "%s: %s\n", name, e.what());
   }
+  removeEmptyOutputFolders();
   return 1;
 }
 

@@ -7,6 +7,7 @@
 #include "surface/topology_refiner.h"
 
 #include <opensubdiv/far/error.h>
+#include <opensubdiv/sdc/crease.h>
 
 #include <algorithm>
 #include <memory>
@@ -20,9 +21,9 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 
-/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE in Embree's kernels/subdiv. */
+/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE in Embree's kernels/subdiv, as patched. */
 constexpr unsigned maxFaceVertices = 16;
-constexpr int maxVertexFaces = 64;
+constexpr int maxVertexFaces = 1024;
 
 /* Thread-local, because OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
@@ -69,6 +70,46 @@ void checkFaces(const Cage& cage)
       throw Error(cage.name + ": face " + std::to_string(face + 1) + " contains vertex " + std::to_string(*twice + 1) +
                   " twice; expected different vertices");
   }
+}
+
+using Edge = std::pair<unsigned, unsigned>;
+
+Edge ordered(Edge edge)
+{
+  return {std::min(edge.first, edge.second), std::max(edge.first, edge.second)};
+}
+
+/* Creases between vertices that share no edge, which Embree ignores. */
+void removeCreasesWithoutEdge(Cage& cage, std::string& warnings)
+{
+  if (cage.creaseEdges.empty())
+    return;
+  std::set<Edge> edges;
+  size_t first = 0;
+  for (unsigned size : cage.faceSizes)
+  {
+    for (unsigned i = 0; i < size; i++)
+      edges.insert(ordered({cage.faceIndices[first + i], cage.faceIndices[first + (i + 1) % size]}));
+    first += size;
+  }
+  std::vector<Edge> removed;
+  size_t kept = 0;
+  for (size_t i = 0; i < cage.creaseEdges.size(); i++)
+  {
+    if (edges.count(ordered(cage.creaseEdges[i])))
+    {
+      cage.creaseEdges[kept] = cage.creaseEdges[i];
+      cage.creaseSharpness[kept++] = cage.creaseSharpness[i];
+    }
+    else
+      removed.push_back(cage.creaseEdges[i]);
+  }
+  cage.creaseEdges.resize(kept);
+  cage.creaseSharpness.resize(kept);
+  if (!removed.empty())
+    warnings += cage.name + ": a crease joins the vertices " + std::to_string(removed[0].first + 1) + " and " +
+                std::to_string(removed[0].second + 1) + ", which share no edge, and is ignored" +
+                (removed.size() == 1 ? "" : ", like " + std::to_string(removed.size() - 1) + " others") + "\n";
 }
 
 std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
@@ -129,6 +170,64 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
                 (vertices.size() == 1 ? "" : "for example ") + std::to_string(vertices.front() + 1) +
                 ", where Embree reduces their sharpness by a different rule than OpenSubdiv: nearby, errors against " +
                 "the true surface include the difference\n";
+}
+
+/* Edges at which the surface ends in Embree: of one face that is no hole. */
+std::vector<char> findBorders(const Cage& cage, const Far::TopologyLevel& level)
+{
+  std::vector<char> isHole(cage.numFaces(), 0);
+  for (unsigned face : cage.holes)
+    isHole[face] = 1;
+  std::vector<char> isBorder(size_t(level.GetNumEdges()), 0);
+  for (int edge = 0; edge < level.GetNumEdges(); edge++)
+  {
+    const Far::ConstIndexArray all = level.GetEdgeFaces(edge);
+    const auto isFace = [&](int face) { return !isHole[size_t(face)]; };
+    isBorder[size_t(edge)] = std::count_if(all.begin(), all.end(), isFace) == 1;
+  }
+  return isBorder;
+}
+
+/* OpenSubdiv smooths across holes as if they were faces, unless their edges are creased. */
+void warnOfHoles(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  if (cage.boundary == BoundaryRule::None)
+    return; // see warnOfBoundary
+  const std::vector<char> isBorder = findBorders(cage, level);
+  std::set<unsigned> holes;
+  for (unsigned hole : cage.holes)
+    for (int edge : level.GetFaceEdges(int(hole)))
+      if (isBorder[size_t(edge)] && !OpenSubdiv::Sdc::Crease::IsInfinite(level.GetEdgeSharpness(edge)))
+        holes.insert(hole);
+  if (!holes.empty())
+    warnings += cage.name + ": " + counted(holes.size(), "hole", "holes") + ", " +
+                (holes.size() == 1 ? "" : "for example ") + "face " + std::to_string(*holes.begin() + 1) +
+                ": Embree ends the surface there as at a border, OpenSubdiv smooths it as if the hole were a face; " +
+                "errors against the true surface do not include this difference\n";
+}
+
+/* Under BoundaryRule::None, Embree leaves out all faces that touch a border or a hole. OpenSubdiv keeps those at holes,
+ * and at borders that are infinitely sharp. */
+void warnOfBoundary(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  if (cage.boundary != BoundaryRule::None)
+    return;
+  const std::vector<char> isBorder = findBorders(cage, level);
+  std::vector<int> lost;
+  for (int face = 0; face < level.GetNumFaces(); face++)
+  {
+    const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
+    if (!level.IsFaceHole(face) && std::any_of(vertices.begin(), vertices.end(), [&](int vertex) {
+          const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
+          return std::any_of(edges.begin(), edges.end(), [&](int edge) { return isBorder[size_t(edge)]; });
+        }))
+      lost.push_back(face);
+  }
+  if (!lost.empty())
+    warnings += cage.name + ": " + faces(lost.size()) + " at borders or holes, " +
+                (lost.size() == 1 ? "" : "for example ") + "face " + std::to_string(lost.front() + 1) +
+                ": left out by Embree under boundary rule 0 (none), but not by OpenSubdiv; expected rule 1 (edge and " +
+                "corner) or 2 (edge only)\n";
 }
 
 /* Groups the faces at a vertex that manifold edges connect, as Embree does. */
@@ -223,11 +322,14 @@ void validateCage(Cage& cage, std::string& warnings)
   checkFaces(cage);
   if (cage.bounds().diagonal() == 0.0f)
     warnings += cage.name + ": all vertices have the same position: there is nothing to see\n";
+  removeCreasesWithoutEdge(cage, warnings);
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);
   warnOfVertices(cage, level, warnings);
   warnOfCreases(cage, warnings);
+  warnOfHoles(cage, level, warnings);
+  warnOfBoundary(cage, level, warnings);
   turnIntoHoles(cage, level, warnings);
 }
 

@@ -18,7 +18,8 @@ namespace cbvh {
  * - edges that are not manifold: more than two faces, or two of opposite orientation. Embree leaves their vertices in
  *   place or makes a hard crease,
  * - vertices that join parts without a common edge,
- * - vertices at which Embree and OpenSubdiv have different crease rules.
+ * - vertices at which Embree and OpenSubdiv have different crease rules,
+ * - holes, unless their borders are infinitely sharp, and faces that only Embree leaves out under BoundaryRule::None.
  *
  * Throws Error with the cage's name if OpenSubdiv rejects the topology, a face contains a vertex twice, or no face is
  * left. */

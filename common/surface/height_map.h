@@ -19,29 +19,32 @@ public:
   HeightMap() = default;
   HeightMap(int width, int height) : w(width), h(height), texels(size_t(width) * height) {}
 
-  /* Reads the first channel of an image. Throws Error with the path if the file is unreadable or a texel is missing
-   * or not finite. */
+  /* Reads the first image's channel that inspect() finds for an empty name. Throws Error with the path if the file is
+   * unreadable or a texel is missing or not finite. */
   static HeightMap read(const std::string& path);
 
   struct FileInfo
   {
-    unsigned images = 0;           // Ptex: one per face; also pages of a TIFF, parts of an EXR
-    std::vector<int> numbers;      // of the images: a TIFF also contains smaller copies and masks
-    int firstChannel = 0;          // of the requested channels
-    int channels = 0;              // of the first image
-    bool constantBorder = false;   // of the first image
-    bool isTextureReadable = true; // the texture system can read the file itself, see map_image.h
-    size_t missing = 0;            // texels without a value
+    unsigned images = 0;            // Ptex: one per face; also pages of a TIFF, parts of an EXR
+    std::vector<int> numbers;       // of the images: a TIFF also contains smaller copies and masks
+    std::vector<int> firstChannels; // of the requested channels, per image of the file
+    int channels = 0;               // of the first image
+    int tileSize = 0;               // smallest edge of tiles, or 0 without tiles
+    bool constantBorder = false;    // of the first image
+    bool isTextureReadable = true;  // the texture system can read the file itself, see map_image.h
+    size_t missing = 0;             // texels without a value
   };
 
-  /* Reads `count` channels of all images. `channel` is the first one: a name, a number from 0, or empty. Texels
-   * without a value (NaN, -3.4e38, GDAL's nodata) or outside an image's data window read as `neutral`. Throws Error
-   * as read() does, and if the file lacks the channels. */
+  /* Reads `count` channels of all images. `channel` is the first one: a name, a number from 0, or empty for "height",
+   * otherwise for the first channels without alpha. Parts of an EXR without a channel of this name are left out;
+   * PART.CHANNEL names one in a part. Texels without a value (NaN, -3.4e38, GDAL's nodata) or outside an image's data
+   * window read as `neutral`. Throws Error as read() does, and if the file lacks the channels. */
   static FileInfo inspect(const std::string& path, const std::string& channel = "", int count = 1,
                           float neutral = 0.0f);
 
-  /* Writes one uncompressed float channel "Y", completely or not at all. `recipe` describes how the map was made and
-   * is stored in the header. Throws Error. */
+  /* Writes one uncompressed float channel "height", completely or not at all. OpenEXR's compression DWA, which other
+   * programs may apply later, is lossy for channels named Y, R, G or B only. `recipe` describes how the map was made
+   * and is stored in the header. Throws Error. */
   void write(const std::string& path, const std::string& recipe = "") const;
 
   /* Empty without a recipe, and if the file is not an image. */

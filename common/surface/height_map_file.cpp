@@ -18,6 +18,7 @@
 #include <iterator>
 #include <system_error>
 #include <utility>
+#include <strings.h>
 #include <unistd.h>
 
 namespace cbvh {
@@ -50,6 +51,7 @@ private:
 };
 
 constexpr const char* recipeAttribute = "recipe";
+constexpr const char* heightChannel = "height";
 
 Error unreadable(const std::string& path, std::string reason)
 {
@@ -142,25 +144,56 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
               " is not finite: expected a finite number");
 }
 
-/* Returns the channel's index. Throws Error unless `count` channels start there. */
-int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int count, const std::string& path)
+bool isAlpha(const OIIO::ImageSpec& spec, int channel)
 {
-  int first = 0;
-  if (!channel.empty())
-  {
-    const auto named = std::find(spec.channelnames.begin(), spec.channelnames.end(), channel);
-    const char* const end = channel.data() + channel.size();
-    if (named != spec.channelnames.end())
-      first = int(named - spec.channelnames.begin());
-    else if (const auto number = std::from_chars(channel.data(), end, first);
-             number.ec != std::errc() || number.ptr != end || first < 0)
-      first = spec.nchannels;
-  }
-  if (first <= spec.nchannels - count)
-    return first;
+  const std::string& name = spec.channelnames[size_t(channel)];
+  const std::string suffix = name.substr(name.rfind('.') + 1); // npos + 1 is 0
+  return channel == spec.alpha_channel || strcasecmp(suffix.c_str(), "A") == 0 ||
+         strcasecmp(suffix.c_str(), "Alpha") == 0;
+}
+
+/* OpenImageIO sorts the channels of OpenEXR: alpha precedes, for example, a channel named Height. */
+int defaultChannel(const OIIO::ImageSpec& spec, int count)
+{
+  for (int first = 0; count == 1 && first < spec.nchannels; first++)
+    if (strcasecmp(spec.channelnames[size_t(first)].c_str(), heightChannel) == 0)
+      return first;
+  for (int first = 0, end = 0; end < spec.nchannels; end++)
+    if (isAlpha(spec, end))
+      first = end + 1;
+    else if (end - first + 1 == count)
+      return first;
+  return 0;
+}
+
+/* Returns the channel's index, or -1 unless `count` channels start there. */
+int findChannel(const MapImage& input, const std::string& channel, int count)
+{
+  const OIIO::ImageSpec& spec = input.spec();
+  int first = channel.empty() ? defaultChannel(spec, count) : -1;
+  for (const std::string& prefix : {std::string(), input.partName() + "."})
+    for (int i = 0; i < spec.nchannels && first < 0; i++)
+      if (prefix + spec.channelnames[size_t(i)] == channel)
+        first = i;
+  const char* const end = channel.data() + channel.size();
+  int number = 0;
+  const auto read = std::from_chars(channel.data(), end, number);
+  if (first < 0 && read.ec == std::errc() && read.ptr == end)
+    first = number;
+  return first <= spec.nchannels - count ? first : -1;
+}
+
+std::string channelsOf(const MapImage& input)
+{
   std::string names;
-  for (const std::string& name : spec.channelnames)
+  for (const std::string& name : input.spec().channelnames)
     names += (names.empty() ? "" : ", ") + name;
+  return names + (input.partName().empty() ? "" : " (part " + input.partName() + ")");
+}
+
+[[noreturn]] void throwUnknownChannel(const std::string& path, const std::string& channel, int count,
+                                      const std::string& names)
+{
   if (count > 1)
     throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
                 (channel.empty() ? "" : " from '" + channel + "' on") + ": expected them among " + names);
@@ -173,8 +206,9 @@ HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
-  input->setChannelRange({0, 1, NAN}); // a missing height is an error
-  Texels texels = readImage(*input, 0, 0, 1, path);
+  const int channel = findChannel(*input, "", 1);
+  input->setChannelRange({channel, 1, NAN}); // a missing height is an error
+  Texels texels = readImage(*input, 0, channel, 1, path);
   HeightMap map;
   map.w = texels.width;
   map.h = texels.height;
@@ -187,23 +221,36 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   const QuietStderr quiet;
   const auto input = openImage(path);
   FileInfo info;
+  std::string otherChannels; // of parts that are left out
   for (int number = 0; input->seek_subimage(number, 0); number++)
   {
+    info.firstChannels.push_back(0);
     if (input->isCopyOrMask())
       continue;
+    const int first = findChannel(*input, channel, count);
+    if (first < 0)
+    {
+      otherChannels += (otherChannels.empty() ? "" : "; ") + channelsOf(*input);
+      if (!input->hasParts())
+        throwUnknownChannel(path, channel, count, otherChannels);
+      continue;
+    }
     info.numbers.push_back(number);
-    const int first = findChannel(input->spec(), channel, count, path);
+    info.firstChannels.back() = first;
     input->setChannelRange({first, count, neutral});
     const Texels texels = readImage(*input, number, first, count, path);
     info.isTextureReadable &= input->isTextureReadable();
+    if (const int tile = input->tileSize(); tile > 0)
+      info.tileSize = info.tileSize > 0 ? std::min(info.tileSize, tile) : tile;
     if (info.images++ > 0)
       continue;
-    info.firstChannel = first;
     info.channels = input->spec().nchannels;
     info.constantBorder = texels.hasConstantBorder();
   }
   if (!input->rejection().empty())
     throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->rejection());
+  if (info.images == 0 && !otherChannels.empty())
+    throwUnknownChannel(path, channel, count, otherChannels);
   if (info.images == 0)
     throw unreadable(path, "it contains only smaller copies or masks: expected at least one other image");
   info.missing = input->numMissing();
@@ -227,7 +274,7 @@ std::string HeightMap::recipeOf(const std::string& path)
 void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
-  spec.channelnames = {"Y"};
+  spec.channelnames = {heightChannel};
   spec.attribute("compression", "none"); // noise hardly compresses
   if (!recipe.empty())
     spec.attribute(recipeAttribute, recipe);

@@ -11,6 +11,7 @@
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -25,8 +26,14 @@ constexpr int tileSize = 64; // for files without tiles
 struct TextureImage
 {
   OIIO::TextureSystem::TextureHandle* handle = nullptr;
+  OIIO::ustring path;
   int subimage = 0;
+  int firstChannel = 0;
 };
+
+/* Pointers in OpenImageIO 2, shared pointers in OpenImageIO 3. */
+using ImageCache = decltype(OIIO::ImageCache::create(false));
+using TextureSystem = decltype(OIIO::TextureSystem::create(false));
 
 /* OpenImageIO's state of a thread, mainly its last tiles. The texture owns all states: OpenImageIO frees its own state
  * of a thread when the thread ends, which crashes if another thread destroys the texture meanwhile. */
@@ -76,19 +83,20 @@ private:
 
 struct HeightTexture::Implementation
 {
-  OIIO::ImageCache* cache = nullptr;
-  OIIO::TextureSystem* system = nullptr;
+  ImageCache cache{};
+  TextureSystem system{};
   mutable ThreadStates states;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
   int channels = 1;
   int channelsOfFile = 1;
+  int smallestTile = tileSize; // edge
 
   ~Implementation()
   {
     if (system)
     {
-      states.destroy(system);
+      states.destroy(&*system);
       OIIO::TextureSystem::destroy(system);
     }
     if (cache)
@@ -100,33 +108,51 @@ struct HeightTexture::Implementation
   {
     if (!info.isTextureReadable)
     {
-      const OIIO::ImageSpec config = MapImage::configuration({info.firstChannel, read.count, read.neutral});
+      const OIIO::ImageSpec config = MapImage::configuration({0, read.count, read.neutral}, info.firstChannels);
       cache->add_file(OIIO::ustring(path), [] { return static_cast<OIIO::ImageInput*>(new MapImage); }, &config);
     }
+    else if (info.tileSize > 0)
+      smallestTile = std::min(smallestTile, info.tileSize);
     OIIO::TextureSystem::TextureHandle* handle = nullptr;
-    states.use(system, [&](auto* state) { handle = system->get_texture_handle(OIIO::ustring(path), state); });
+    states.use(&*system, [&](auto* state) { handle = system->get_texture_handle(OIIO::ustring(path), state); });
     if (!handle || !system->good(handle))
       throw Error(path + ": OpenImageIO cannot use this image as a texture: " + system->geterror());
     for (size_t i = 0; i < count; i++)
-      images.push_back({handle, info.numbers[i]});
+      images.push_back({handle, OIIO::ustring(path), info.numbers[i], info.firstChannels[size_t(info.numbers[i])]});
   }
 
-  void lookUp(unsigned image, OIIO::TextureOpt opt, float s, float t, float widthS, float widthT, int count,
+  Error unreadable(unsigned image) const
+  {
+    return Error(images[image].path.string() + ": OpenImageIO cannot read texels of image " +
+                 std::to_string(images[image].subimage) + ": " + system->geterror());
+  }
+
+  /* Reads channels from `firstChannel` on. Returns false, with NaN in `values`, if OpenImageIO cannot read a tile. */
+  bool lookUp(unsigned image, int firstChannel, float s, float t, float widthS, float widthT, int count,
               float* values) const
   {
+    OIIO::TextureOpt opt = options;
     opt.subimage = images[image].subimage;
-    states.use(system, [&](auto* state) {
-      system->texture(images[image].handle, state, opt, s, t, widthS, 0.0f, 0.0f, widthT, count, values);
+    opt.firstchannel = firstChannel;
+    bool isRead = false;
+    states.use(&*system, [&](auto* state) {
+      isRead = system->texture(images[image].handle, state, opt, s, t, widthS, 0.0f, 0.0f, widthT, count, values);
     });
+    if (!isRead)
+      std::fill(values, values + count, NAN);
+    return isRead;
   }
 
   Vec2f size(unsigned image) const
   {
     int size[2] = {0, 0};
-    states.use(system, [&](auto* state) {
-      system->get_texture_info(images[image].handle, state, images[image].subimage, OIIO::ustring("resolution"),
-                               OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
+    bool isRead = false;
+    states.use(&*system, [&](auto* state) {
+      isRead = system->get_texture_info(images[image].handle, state, images[image].subimage,
+                                        OIIO::ustring("resolution"), OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
     });
+    if (!isRead || size[0] < 1 || size[1] < 1)
+      throw unreadable(image);
     return {float(size[0]), float(size[1])};
   }
 };
@@ -138,7 +164,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
   /* Private, so that the cache is freed. Mip levels are rounded to the file's type, because "forcefloat" fails an
    * assertion in OpenImageIO 2.4.7. */
   implementation->cache = OIIO::ImageCache::create(false);
-  OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
+  const TextureSystem& system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
   system->attribute("automip", 1);           // mip levels for files without them
   system->attribute("autotile", tileSize);
   system->attribute("unassociatedalpha", 1); // keep colors unmultiplied
@@ -150,10 +176,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
     {
       constantBorder = info.constantBorder;
       implementation->channelsOfFile = info.channels;
-      implementation->options.firstchannel = info.firstChannel;
     }
-    else if (info.firstChannel != implementation->options.firstchannel)
-      throw Error(path + ": the channels are in a different order than in " + paths.front());
     implementation->open(path, paths.size() == 1 ? info.numbers.size() : 1, info, channels);
     if (info.missing)
       warnings += path + ": " + std::to_string(info.missing) + (info.missing == 1 ? " texel has" : " texels have") +
@@ -173,16 +196,19 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
 void HeightTexture::fillCache() const
 {
   float values[4];
+  const int tile = implementation->smallestTile;
   for (unsigned image = 0; image < images; image++)
   {
     const Vec2f texels = implementation->size(image);
     for (int w = int(texels.x), h = int(texels.y); w > 0 && h > 0; w /= 2, h /= 2)
-      for (int y = 0; y < h; y += tileSize)
+      for (int y = 0; y < h; y += tile)
       {
         throwIfCanceled();
-        for (int x = 0; x < w; x += tileSize)
-          sample(image, (float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
-                 values);
+        for (int x = 0; x < w; x += tile)
+          if (!implementation->lookUp(image, implementation->images[image].firstChannel, (float(x) + 0.5f) / float(w),
+                                      (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
+                                      implementation->channels, values))
+            throw implementation->unreadable(image);
       }
   }
 }
@@ -200,14 +226,12 @@ bool HeightTexture::looksLikeNormals() const
   constexpr float tolerance = 0.1f; // of a unit vector's length; the map has 8 bits and is filtered
   if (implementation->channelsOfFile < 3)
     return false;
-  OIIO::TextureOpt options = implementation->options;
-  options.firstchannel = 0;
   int unit = 0, along = 0;
   for (int y = 0; y < places; y++)
     for (int x = 0; x < places; x++)
     {
       float c[3];
-      implementation->lookUp(0, options, (float(x) + 0.5f) / places, (float(y) + 0.5f) / places, 0.0f, 0.0f, 3, c);
+      implementation->lookUp(0, 0, (float(x) + 0.5f) / places, (float(y) + 0.5f) / places, 0.0f, 0.0f, 3, c);
       const float n[3] = {2.0f * c[0] - 1.0f, 2.0f * c[1] - 1.0f, 2.0f * c[2] - 1.0f};
       unit += std::abs(std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) - 1.0f) < tolerance;
       along += n[2] > 0.5f;
@@ -218,7 +242,9 @@ bool HeightTexture::looksLikeNormals() const
 
 void HeightTexture::sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const
 {
-  implementation->lookUp(image, implementation->options, s, t, widthS, widthT, implementation->channels, values);
+  if (!implementation->lookUp(image, implementation->images[image].firstChannel, s, t, widthS, widthT,
+                              implementation->channels, values))
+    implementation->system->geterror(); // the file changed after the constructor read it; errors would accumulate
 }
 
 } // namespace cbvh

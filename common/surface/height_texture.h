@@ -25,9 +25,9 @@ struct TextureChannels
 class HeightTexture
 {
 public:
-  /* Opens files and checks that all texels are finite. Uses all images of a single file, or the first image of each
-   * of several files. Appends a line to `warnings` for each file with texels without a value. Throws Error with the
-   * path. */
+  /* Opens files and checks that all texels are readable and finite. Uses all images of a single file, or the first
+   * image of each of several files. Appends a line to `warnings` for each file with texels without a value. Throws
+   * Error with the path. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();
@@ -48,7 +48,7 @@ public:
 
   /* Writes the channels at (s,t) to `values`: trilinear between mip levels, bicubic if texels are wider than the
    * filter. (0,0) is the image's upper left corner, (1,1) the lower right; widths are fractions of the image. A pure
-   * function. Thread-safe. */
+   * function while the files do not change; NaN if they became unreadable. Thread-safe. */
   void sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const;
 
 private:

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface/map_image.h"
+#include "surface/exr_levels.h"
 #include "surface/gdal_nodata.h"
+#include "surface/map_rejections.h"
+#include "surface/pnm_image.h"
 
 #include <OpenImageIO/half.h>
 
@@ -13,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <system_error>
 
@@ -22,6 +26,7 @@ namespace {
 constexpr const char* firstAttribute = "cbvh:first";
 constexpr const char* countAttribute = "cbvh:count";
 constexpr const char* neutralAttribute = "cbvh:neutral";
+constexpr const char* firstsAttribute = "cbvh:firsts";
 
 /* TIFF's PhotometricInterpretation. */
 enum Photometric { WhiteIsZero = 0, BlackIsZero = 1, Rgb = 2 };
@@ -43,11 +48,6 @@ bool isSampledNatively(OIIO::TypeDesc type)
          type == OIIO::TypeDesc::FLOAT;
 }
 
-bool isUnsigned(OIIO::TypeDesc type)
-{
-  return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::UINT32;
-}
-
 /* The visible part of the image. Only OpenEXR has true display windows; elsewhere, a window as large as the data but
  * at another position is a place on a page. */
 OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
@@ -57,22 +57,19 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
   return isOnPage || full.width() < 1 || full.height() < 1 ? data : full;
 }
 
-/* Reason not to read the image, or empty. */
-std::string rejectionOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
+/* Value that OpenImageIO maps to 1. */
+float unitOf(const OIIO::ImageSpec& spec)
 {
-  if (spec.deep)
-    return "it is a deep image: expected one value per texel and channel";
-  if (spec.width < 1 || spec.height < 1)
-    return "it is empty: expected at least one texel";
-  if (spec.depth > 1)
-    return "it is a volume of " + std::to_string(spec.depth) + " slices: expected one";
-  if (isInverted && !isUnsigned(spec.format))
-    return "white is zero in it, which is undefined for samples of type " + std::string(spec.format.c_str()) +
-           ": expected black as zero";
-  /* OpenImageIO 2.4 reports success without filling the buffer. */
-  if (format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.tile_width)
-    return "it has tiles of type double, which OpenImageIO does not read: expected strips, or type float";
-  return "";
+  switch (spec.format.basetype)
+  {
+  case OIIO::TypeDesc::UINT8: return std::numeric_limits<uint8_t>::max();
+  case OIIO::TypeDesc::INT8: return std::numeric_limits<int8_t>::max();
+  case OIIO::TypeDesc::UINT16: return std::numeric_limits<uint16_t>::max();
+  case OIIO::TypeDesc::INT16: return std::numeric_limits<int16_t>::max();
+  case OIIO::TypeDesc::UINT32: return float(std::numeric_limits<uint32_t>::max());
+  case OIIO::TypeDesc::INT32: return float(std::numeric_limits<int32_t>::max());
+  default: return spec.get_float_attribute(PnmImage::maximumAttribute, 1.0f);
+  }
 }
 
 template<typename T>
@@ -103,13 +100,16 @@ void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std:
 
 } // namespace
 
-OIIO::ImageSpec MapImage::configuration(const ChannelRange& range)
+OIIO::ImageSpec MapImage::configuration(const ChannelRange& range, const std::vector<int>& firstChannels)
 {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1); // keep colors unmultiplied
   config.attribute(firstAttribute, range.first);
   config.attribute(countAttribute, range.count);
   config.attribute(neutralAttribute, range.neutral);
+  if (!firstChannels.empty())
+    config.attribute(firstsAttribute, OIIO::TypeDesc(OIIO::TypeDesc::INT, int(firstChannels.size())),
+                     firstChannels.data());
   return config;
 }
 
@@ -119,14 +119,15 @@ bool MapImage::open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::
   range.first = config.get_int_attribute(firstAttribute, range.first);
   range.count = config.get_int_attribute(countAttribute, range.count);
   range.neutral = config.get_float_attribute(neutralAttribute, range.neutral);
-  source = OIIO::ImageInput::open(path, &config);
-  if (!source)
-  {
-    errorfmt("{}", OIIO::geterror());
+  if (const OIIO::ParamValue* const firsts = config.find_attribute(firstsAttribute))
+    firstChannels.assign(static_cast<const int*>(firsts->data()),
+                         static_cast<const int*>(firsts->data()) + firsts->type().numelements());
+  file = path;
+  if (!openSource(config))
     return false;
-  }
   if (std::string(source->format_name()) == "tiff")
     nodataTexts = readGdalNodata(path);
+  isRipMapped = hasParts() && source->spec().tile_width && hasRipMaps(path);
   image = 0;
   if (!describe())
     return false;
@@ -134,9 +135,30 @@ bool MapImage::open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::
   return true;
 }
 
+bool MapImage::openSource(const OIIO::ImageSpec& config)
+{
+  if (!PnmImage::isPnm(file))
+  {
+    source = OIIO::ImageInput::open(file, &config);
+    if (!source)
+      errorfmt("{}", OIIO::geterror());
+    return source != nullptr;
+  }
+  auto pnm = std::make_unique<PnmImage>();
+  OIIO::ImageSpec spec;
+  if (!pnm->open(file, spec))
+  {
+    errorfmt("{}", pnm->geterror());
+    return false;
+  }
+  source = std::move(pnm);
+  return true;
+}
+
 bool MapImage::close()
 {
   source.reset();
+  firstChannels.clear();
   nodataTexts.clear();
   rejectionText.clear();
   image = -1;
@@ -167,7 +189,7 @@ bool MapImage::describe()
   copyOrMask = (from.get_int_attribute("tiff:subfiletype", 0) & (ReducedResolution | Mask)) != 0;
   isFloating = from.format.is_floating_point();
   isInverted = photometric == WhiteIsZero && from.format != OIIO::TypeDesc::UINT8;
-  rejectionText = rejectionOf(from, format, isInverted);
+  rejectionText = rejectionOf(*source, file, isInverted);
   if (!rejectionText.empty())
   {
     errorfmt("{}", rejectionText);
@@ -175,11 +197,17 @@ bool MapImage::describe()
   }
   window = displayWindow(from, format);
   nodata = nodataOf(from);
-  textureReadable = isSampledNatively(from.format) && !isInverted && window == from.roi() && window.xbegin == 0 &&
-                    window.ybegin == 0;
+  sampleUnit = unitOf(from);
+  tile = std::min(from.tile_width, from.tile_height);
+  if (size_t(image) < firstChannels.size())
+    range.first = firstChannels[size_t(image)];
+  const bool isOwnFormat = format == "pnm" && from.format != OIIO::TypeDesc::UINT8;
+  textureReadable = !isRipMapped && !isOwnFormat && isSampledNatively(from.format) && !isInverted &&
+                    window == from.roi() && window.xbegin == 0 && window.ybegin == 0;
   m_spec = OIIO::ImageSpec(window.width(), window.height(), from.nchannels, OIIO::TypeDesc::FLOAT);
   m_spec.channelnames = from.channelnames;
   m_spec.alpha_channel = from.alpha_channel;
+  m_spec.attribute("oiio:subimagename", from.get_string_attribute("oiio:subimagename"));
   return true;
 }
 
@@ -275,7 +303,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
 /* In texels where one channel is missing, replaces all channels. */
 void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
 {
-  const size_t channels = size_t(m_spec.nchannels), first = size_t(range.first);
+  const size_t channels = size_t(m_spec.nchannels), first = std::min(size_t(range.first), channels);
   const size_t last = std::min(first + size_t(range.count), channels);
   for (size_t i = 0; i < rows.size(); i += channels)
   {

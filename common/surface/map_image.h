@@ -11,6 +11,9 @@
  * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
  *   window are neutral.
  * - TIFF with white as zero is inverted for all unsigned types; OpenImageIO does so for 8 bits only.
+ * - Samples of PGM and PPM are divided by the file's maximum, see pnm_image.h.
+ * - Rip maps of OpenEXR are ignored.
+ * - What OpenImageIO reads incorrectly without an error is rejected, see map_rejections.h.
  * - Missing texels become neutral: NaN, finite values up to -3.4e38, and the value of GDAL's tag. */
 
 #include <OpenImageIO/imageio.h>
@@ -33,8 +36,8 @@ struct ChannelRange
 class MapImage final : public OIIO::ImageInput
 {
 public:
-  /* Passes `range` to open(). */
-  static OIIO::ImageSpec configuration(const ChannelRange& range);
+  /* Passes `range` to open(). If image i has an entry in firstChannels, it replaces range.first. */
+  static OIIO::ImageSpec configuration(const ChannelRange& range, const std::vector<int>& firstChannels = {});
 
   void setChannelRange(const ChannelRange& r) { range = r; }
 
@@ -42,6 +45,18 @@ public:
   bool isTextureReadable() const { return textureReadable; }
 
   bool isCopyOrMask() const { return copyOrMask; }
+
+  /* True if images of the file are independent pictures with their own channels. */
+  bool hasParts() const { return source && std::string(source->format_name()) == "openexr"; }
+
+  /* Name of the current part, or empty. */
+  std::string partName() const { return std::string(m_spec.get_string_attribute("oiio:subimagename")); }
+
+  /* Smaller edge of the file's tiles, or 0 without tiles. */
+  int tileSize() const { return tile; }
+
+  /* Value of a sample of the file that becomes 1. */
+  float unit() const { return sampleUnit; }
 
   size_t numMissing() const { return missing; }
 
@@ -61,13 +76,17 @@ public:
   bool read_native_scanlines(int subimage, int miplevel, int yBegin, int yEnd, int z, void* data) override;
 
 private:
+  bool openSource(const OIIO::ImageSpec& config);
   bool describe();
   std::optional<double> nodataOf(const OIIO::ImageSpec& from) const;
   bool readRows(int yBegin, int yEnd, std::vector<float>& rows);
   void replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata);
 
   std::unique_ptr<OIIO::ImageInput> source;
+  std::string file;
+  bool isRipMapped = false;
   std::vector<std::string> nodataTexts; // per page of a TIFF
+  std::vector<int> firstChannels;       // per image, or empty
   ChannelRange range;
   std::string rejectionText;
   size_t missing = 0;
@@ -75,6 +94,8 @@ private:
   int image = -1;
   OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;
+  float sampleUnit = 1;
+  int tile = 0;
   bool textureReadable = false, copyOrMask = false, isInverted = false, isFloating = false;
 };
 

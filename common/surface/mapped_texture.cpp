@@ -53,6 +53,10 @@ public:
       corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
   {
     warnOfNormals(texture, map, warnings);
+    if (!tiles.isUdim() && texture.numImages() > 1)
+      warn(warnings, map.path + " has " + std::to_string(texture.numImages()) + " images, but " + cage.name +
+                       " has texture coordinates: only the first one is read; expected one image, or the option " +
+                       "for the channel as PART.CHANNEL for a part of an OpenEXR file");
     findCoordinates(cage, map.repeat);
     findSeams(cage);
   }

@@ -70,16 +70,53 @@ std::vector<FaceExtent> extentsOf(const Cage& cage)
   return extents;
 }
 
+std::string replaced(std::string path, const std::string& from, const std::string& to)
+{
+  for (size_t at = path.find(from); at != std::string::npos; at = path.find(from, at + to.size()))
+    path.replace(at, from.size(), to);
+  return path;
+}
+
 std::string pathOfTile(std::string path, int number)
 {
   for (const Placeholder& p : placeholders)
-  {
-    const std::string text = p.text((number - 1001) % columns, (number - 1001) / columns);
-    const size_t length = std::string(p.spelling).size();
-    for (size_t at = path.find(p.spelling); at != std::string::npos; at = path.find(p.spelling, at + text.size()))
-      path.replace(at, length, text);
-  }
+    path = replaced(path, p.spelling, p.text((number - 1001) % columns, (number - 1001) / columns));
   return path;
+}
+
+bool fileExists(const std::string& path)
+{
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+/* Returns the path with other placeholders if the tile has a file of that name, or empty. */
+std::string otherSpelling(const std::string& path, int number)
+{
+  const char* const spellings[] = {"<UDIM>", "%(UDIM)d", "<UVTILE>", "<uvtile>", "<U>_<V>", "<u>_<v>", "<U><V>",
+                                   "<u><v>"};
+  /* <U> and <u> include the letter, which other programs expect in front of them. */
+  std::string single = path;
+  for (const char* letters : {"uU", "vV"})
+    for (const char* letter = letters; *letter; letter++)
+      for (const char* inner = letters; *inner; inner++)
+        single = replaced(single, std::string(1, *letter) + "<" + *inner + ">", std::string("<") + *inner + ">");
+  for (const std::string& start : {path, single})
+    for (const char* from : spellings)
+      for (const char* to : spellings)
+        if (const std::string other = replaced(start, from, to);
+            other != path && isUdimPath(other) && fileExists(pathOfTile(other, number)))
+          return other;
+  return "";
+}
+
+/* The placeholders' meaning for a tile. */
+std::string expectedPlaceholders(int number)
+{
+  std::string text;
+  for (const char* spelling : {"<UDIM>", "<UVTILE>", "<uvtile>"})
+    text += (text.empty() ? "" : ", ") + std::string(spelling) + " is " + pathOfTile(spelling, number);
+  return text;
 }
 
 int numberOf(Vec2f tile)
@@ -118,7 +155,7 @@ std::string faces(size_t n)
 
 bool isUdimPath(const std::string& path)
 {
-  return std::any_of(std::begin(placeholders), std::end(placeholders),
+  return !fileExists(path) && std::any_of(std::begin(placeholders), std::end(placeholders),
                      [&](const Placeholder& p) { return path.find(p.spelling) != std::string::npos; });
 }
 
@@ -147,8 +184,7 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
   {
     const int number = numberOf(e.tile);
     const auto [entry, isNew] = imageOfNumber.try_emplace(number, -1);
-    std::error_code ignored;
-    if (isNew && number && std::filesystem::exists(pathOfTile(path, number), ignored))
+    if (isNew && number && fileExists(pathOfTile(path, number)))
     {
       entry->second = int(tiles.paths.size());
       tiles.paths.push_back(pathOfTile(path, number));
@@ -164,14 +200,28 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     throw Error(path + ": the texture coordinates of " + cage.name + " lie outside of all tiles: expected 0 to " +
                 std::to_string(columns) + " across, 0 or more upwards");
   if (tiles.paths.empty())
-    throw Error(path + ": no such height map: " + cage.name + " uses, for example, tile " +
-                std::to_string(missing.rbegin()->first) + ", which does not exist");
+  {
+    int number = missing.rbegin()->first;
+    std::string other;
+    for (auto tile = missing.rbegin(); tile != missing.rend() && tile->first && other.empty(); ++tile)
+    {
+      other = otherSpelling(path, tile->first);
+      number = other.empty() ? number : tile->first;
+    }
+    throw Error(path + ": no such height map: " + cage.name + " uses, for example, tile " + std::to_string(number) +
+                ", but there is no " + pathOfTile(path, number) +
+                (other.empty() ? ": expected this file, or another placeholder (" + expectedPlaceholders(number) + ")"
+                               : "; " + pathOfTile(other, number) + " exists: expected " + other));
+  }
   for (const auto& [number, count] : missing)
   {
-    const std::string reason =
-      number ? "there is no tile " + std::to_string(number) : "texture coordinates lie outside of all tiles";
+    const std::string other = number ? otherSpelling(path, number) : "";
+    const std::string reason = number ? "there is no tile " + std::to_string(number) + " (" +
+                                          pathOfTile(path, number) + ")"
+                                      : "texture coordinates lie outside of all tiles";
     warnings += path + ": " + reason + ", " + faces(count) + " of " + cage.name + (count == 1 ? " is" : " are") +
-                " not displaced\n";
+                " not displaced" +
+                (other.empty() ? "" : "; " + pathOfTile(other, number) + " exists: expected " + other) + "\n";
   }
   if (across)
     warnings += cage.name + ": " + faces(across) + (across == 1 ? " crosses" : " cross") +

@@ -15,6 +15,7 @@
 
 namespace cbvh {
 
+/* False if there is a file with this very name, as in OpenImageIO. */
 bool isUdimPath(const std::string& path);
 
 /* Calls recordInputFile for each file that UdimTiles::find returns, and throws as it does. */

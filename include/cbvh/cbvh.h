@@ -11,7 +11,7 @@
  *
  *   CbvhContext context;  cbvhNewContext(NULL, NULL, NULL, &context);
  *   CbvhSurface surface;  cbvhNewSurface(context, &surface);
- *   struct CbvhCage cage = {.structSize = sizeof(cage)};  // in C++: CbvhCage cage = CbvhCage();
+ *   struct CbvhCage cage = {.structSize = sizeof(cage)};  // in C++: CbvhCage cage;
  *   cage.numFaces = ...
  *   cbvhSetSurfaceCage(surface, &cage);              // a Catmull-Clark control cage, with displacement
  *   cbvhCommitSurface(surface, NULL, NULL);          // from here on the cage's buffers may be freed
@@ -48,8 +48,8 @@
  * The manual page of a function names the version since which the function is available.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
- * struct. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}. Versions only append
- * members:
+ * struct. In C++ default member initializers do so, and zero all other members; in C write {.structSize =
+ * sizeof(cage)}. Versions only append members:
  *
  * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
  *   larger struct than its own if all additional bytes are zero.
@@ -71,11 +71,19 @@ extern "C" {
 #define CBVH_API __attribute__((visibility("default")))
 #define CBVH_ALIGNED __attribute__((aligned(16)))
 
-/* Default value of structSize in C++. C has none. */
+/* Default values of members in C++: sizeof for structSize, otherwise zero. C has none. CBVH_ZERO14 is for structs that
+ * begin without structSize, which stay aggregates in C++11. */
 #if defined(__cplusplus)
 #  define CBVH_SIZE_OF(type) = sizeof(type)
+#  define CBVH_ZERO {}
 #else
 #  define CBVH_SIZE_OF(type)
+#  define CBVH_ZERO
+#endif
+#if defined(__cplusplus) && __cplusplus >= 201402L
+#  define CBVH_ZERO14 {}
+#else
+#  define CBVH_ZERO14
 #endif
 
 /* Result of a call. Any code other than CBVH_OK means that the call failed, or, from cbvhCommitGroup, that parts of a
@@ -137,14 +145,16 @@ typedef struct CbvhSurfaceTy* CbvhSurface;
  * each time step must then be readable. */
 struct CbvhVertices
 {
-  size_t numVertices;
-  size_t stride;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
-  const float* const* steps;  /* one pointer per time step */
-  unsigned int numSteps;      /* 1 for a surface that does not move, otherwise up to 129 */
-  float startTime, endTime;   /* times of the first and the last step, finite, startTime < endTime. Steps are evenly
-                               * spaced. Vertices are interpolated linearly between steps. Outside of the time range
-                               * there is no surface. The range may exceed 0 to 1, the times of rays, but rays do not
-                               * hit a surface whose range is entirely outside. Ignored if numSteps is 1 */
+  size_t numVertices CBVH_ZERO14;
+  size_t stride CBVH_ZERO14;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
+  const float* const* steps CBVH_ZERO14;  /* one pointer per time step */
+  unsigned int numSteps CBVH_ZERO14;      /* 1 for a surface that does not move, otherwise up to 129 */
+  float startTime CBVH_ZERO14, endTime CBVH_ZERO14; /* times of the first and the last step, finite, startTime <
+                                                     * endTime. Steps are evenly spaced. Vertices are interpolated
+                                                     * linearly between steps. Outside of the time range there is no
+                                                     * surface. The range may exceed 0 to 1, the times of rays, but
+                                                     * rays do not hit a surface whose range is entirely outside.
+                                                     * Ignored if numSteps is 1 */
 };
 
 /* Arguments of a displacement function, which moves points of the limit surface of one face. P: positions of `count`
@@ -175,45 +185,48 @@ enum CbvhBoundary
  * copies them. They are subdivided with the creases and corners of the cage. */
 struct CbvhAttribute
 {
-  const float* values;
-  size_t numValues;
-  size_t stride;                 /* bytes from one value to the next, a multiple of 4, at least 4*width */
-  unsigned int width;            /* floats per value, 1 to 16 */
-  const unsigned int* indices;   /* of values, one for each corner of each face. NULL: the indices of the vertices */
-  enum CbvhBoundary boundary;    /* of the values. Ignored if indices is NULL: the boundary of the cage holds */
+  const float* values CBVH_ZERO14;
+  size_t numValues CBVH_ZERO14;
+  size_t stride CBVH_ZERO14;                /* bytes from one value to the next, a multiple of 4, at least 4*width */
+  unsigned int width CBVH_ZERO14;           /* floats per value, 1 to 16 */
+  const unsigned int* indices CBVH_ZERO14;  /* of values, one for each corner of each face. NULL: the indices of the
+                                             * vertices */
+  enum CbvhBoundary boundary CBVH_ZERO14;   /* of the values. Ignored if indices is NULL: the boundary of the cage
+                                             * holds */
 };
 
-/* A control cage for Catmull-Clark subdivision. Set structSize and zero all other members first. In C++,
- * CbvhCage cage = CbvhCage() does both. */
+/* A control cage for Catmull-Clark subdivision. Set structSize and zero all other members first, as default member
+ * initializers do in C++. */
 struct CbvhCage
 {
   size_t structSize CBVH_SIZE_OF(CbvhCage);
-  size_t numFaces;                      /* below 2^32 - 1, as numIndices */
-  const unsigned int* faceVertexCounts; /* number of vertices of each face, at least 3 */
-  size_t numIndices;                    /* sum of faceVertexCounts */
-  const unsigned int* indices;          /* of vertices, face by face */
-  struct CbvhVertices vertices;
+  size_t numFaces CBVH_ZERO;                       /* below 2^32 - 1, as numIndices */
+  const unsigned int* faceVertexCounts CBVH_ZERO;  /* number of vertices of each face, at least 3 */
+  size_t numIndices CBVH_ZERO;                     /* sum of faceVertexCounts */
+  const unsigned int* indices CBVH_ZERO;           /* of vertices, face by face */
+  struct CbvhVertices vertices CBVH_ZERO;
 
-  float rate;                           /* quads along each edge, 1 to 4096. Ignored if rates is not NULL */
-  const float* rates;                   /* quads along each edge from a vertex of a face to the next, 1 to 4096, one
-                                         * entry per index. NULL: rate holds for all edges */
-  enum CbvhBoundary boundary;
+  float rate CBVH_ZERO;          /* quads along each edge, 1 to 4096. Ignored if rates is not NULL */
+  const float* rates CBVH_ZERO;  /* quads along each edge from a vertex of a face to the next, 1 to 4096, one entry
+                                  * per index. NULL: rate holds for all edges */
+  enum CbvhBoundary boundary CBVH_ZERO;
 
-  size_t numCreases;
-  const unsigned int* creases;          /* two vertices each */
-  const float* creaseSharpness;         /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
-                                         * infinity, also for corners, as in OpenSubdiv and USD */
-  size_t numCorners;
-  const unsigned int* corners;          /* vertices */
-  const float* cornerSharpness;         /* one entry per corner, 0 to infinity */
-  size_t numHoles;
-  const unsigned int* holes;            /* numHoles faces that are left out */
+  size_t numCreases CBVH_ZERO;
+  const unsigned int* creases CBVH_ZERO;   /* two vertices each */
+  const float* creaseSharpness CBVH_ZERO;  /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
+                                            * infinity, also for corners, as in OpenSubdiv and USD */
+  size_t numCorners CBVH_ZERO;
+  const unsigned int* corners CBVH_ZERO;   /* vertices */
+  const float* cornerSharpness CBVH_ZERO;  /* one entry per corner, 0 to infinity */
+  size_t numHoles CBVH_ZERO;
+  const unsigned int* holes CBVH_ZERO;     /* numHoles faces that are left out */
 
-  CbvhDisplacementFunction displacement; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
-  void* displacementUserPtr;            /* passed to the displacement function. Must be valid until the commit */
+  CbvhDisplacementFunction displacement CBVH_ZERO;  /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
+  void* displacementUserPtr CBVH_ZERO;              /* passed to the displacement function. Must be valid until the
+                                                     * commit */
 
-  size_t numAttributes;
-  const struct CbvhAttribute* attributes;
+  size_t numAttributes CBVH_ZERO;
+  const struct CbvhAttribute* attributes CBVH_ZERO;
 };
 
 /* A grid of vertices in row-major order, in the layout of RTCGrid. */
@@ -228,22 +241,21 @@ struct CbvhGrid
 struct CbvhGrids
 {
   size_t structSize CBVH_SIZE_OF(CbvhGrids);
-  size_t numGrids;                  /* below 2^32 - 1 */
-  const struct CbvhGrid* grids;
-  struct CbvhVertices vertices;
+  size_t numGrids CBVH_ZERO;  /* below 2^32 - 1 */
+  const struct CbvhGrid* grids CBVH_ZERO;
+  struct CbvhVertices vertices CBVH_ZERO;
 };
 
 /* Quads or triangles, in any order. The library stores the parts of a mesh in which quads form grids as grids, and the
  * remaining triangles in mesh blocks. Two triangles that share an edge can form a quad. Vertices with equal positions
- * count as one. A mesh needs at least 256 quads or triangles. Quads and triangles with an index past the vertices are
- * left out. */
+ * count as one. Quads and triangles with an index past the vertices are left out. */
 struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
-  unsigned int verticesPerFace;     /* 4: quads, 3: triangles */
-  size_t numFaces;                  /* number of quads or triangles, below 2^32 - 1 */
-  const unsigned int* indices;      /* of vertices, `verticesPerFace` per quad or triangle */
-  struct CbvhVertices vertices;
+  unsigned int verticesPerFace CBVH_ZERO;  /* 4: quads, 3: triangles */
+  size_t numFaces CBVH_ZERO;               /* number of quads or triangles, below 2^32 - 1 */
+  const unsigned int* indices CBVH_ZERO;   /* of vertices, `verticesPerFace` per quad or triangle */
+  struct CbvhVertices vertices CBVH_ZERO;
 };
 
 /* A camera, and the size of quads in its picture. If all members but structSize, position and pixelSize are zero, quads
@@ -251,23 +263,23 @@ struct CbvhMesh
 struct CbvhDicingArguments
 {
   size_t structSize CBVH_SIZE_OF(CbvhDicingArguments);
-  float position[3];                /* in world space. For an orthographic camera, only pixelSize and the region of the
-                                     * picture matter */
-  float direction[3];               /* towards the center of the picture, of any length */
-  float up[3];                      /* up direction of the picture, of any length, not parallel to direction */
-  int orthographic;                 /* 0: a perspective camera */
-  float pixelSize;                  /* width of a pixel at distance 1; for an orthographic camera at any distance.
-                                     * Positive */
-  float width, height;              /* of the picture in pixels. 0: direction and up are ignored */
-  const float* transform;           /* from the surface's space to world space: 12 floats, column by column. NULL: the
-                                     * identity */
-  float quadSize;                   /* target length of the edges of quads in pixels. 0: 1 */
-  float outsideFactor;              /* factor of quadSize far outside of the picture and behind the camera, at least 1.
-                                     * 0: 8 */
-  float maxRate;                    /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
-  const float* maxRates;            /* further bound for each edge, for example the number of texels along it: one entry
-                                     * per index, at least 1. An edge of two faces gets the higher of their rates. NULL:
-                                     * only maxRate holds */
+  float position[3] CBVH_ZERO;              /* in world space. For an orthographic camera, only pixelSize and the
+                                             * region of the picture matter */
+  float direction[3] CBVH_ZERO;             /* towards the center of the picture, of any length */
+  float up[3] CBVH_ZERO;                    /* up direction of the picture, of any length, not parallel to direction */
+  int orthographic CBVH_ZERO;               /* 0: a perspective camera */
+  float pixelSize CBVH_ZERO;                /* width of a pixel at distance 1; for an orthographic camera at any
+                                             * distance. Positive */
+  float width CBVH_ZERO, height CBVH_ZERO;  /* of the picture in pixels. 0: direction and up are ignored */
+  const float* transform CBVH_ZERO;         /* from the surface's space to world space: 12 floats, column by column.
+                                             * NULL: the identity */
+  float quadSize CBVH_ZERO;                 /* target length of the edges of quads in pixels. 0: 1 */
+  float outsideFactor CBVH_ZERO;            /* factor of quadSize far outside of the picture and behind the camera,
+                                             * at least 1. 0: 8 */
+  float maxRate CBVH_ZERO;                  /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
+  const float* maxRates CBVH_ZERO;          /* further bound for each edge, for example the number of texels along
+                                             * it: one entry per index, at least 1. An edge of two faces gets the
+                                             * higher of their rates. NULL: only maxRate holds */
 };
 
 /* Bounds of the error of stored vertices. If both bounds are zero, the spacing of the lattice is at most 1/36 of the
@@ -275,15 +287,16 @@ struct CbvhDicingArguments
 struct CbvhAccuracy
 {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
-  float maxError;                   /* in units of the vertices: largest spacing of the lattice. A vertex moves by at
-                                     * most half a spacing on each axis, which is 0.866 spacings in space. If it lies
-                                     * on an edge of a coarser grid, it moves with that edge, by at most maxError. 0:
-                                     * the bound in the settings of the context, where 0 is lossless. If they have
-                                     * none, there is no bound besides maxPixelError and the default above */
-  float maxPixelError;              /* the same bound in pixels of a camera. 0: no bound. If both bounds are set, the
-                                     * smaller one holds */
-  float cameraPosition[3];          /* in the space of the vertices */
-  float pixelSize;                  /* width of a pixel at distance 1. Positive if maxPixelError is not 0 */
+  float maxError CBVH_ZERO;           /* in units of the vertices: largest spacing of the lattice. A vertex moves by
+                                       * at most half a spacing on each axis, which is 0.866 spacings in space. If it
+                                       * lies on an edge of a coarser grid, it moves with that edge, by at most
+                                       * maxError. 0: the bound in the settings of the context, where 0 is lossless.
+                                       * If they have none, there is no bound besides maxPixelError and the default
+                                       * above */
+  float maxPixelError CBVH_ZERO;      /* the same bound in pixels of a camera. 0: no bound. If both bounds are set,
+                                       * the smaller one holds */
+  float cameraPosition[3] CBVH_ZERO;  /* in the space of the vertices */
+  float pixelSize CBVH_ZERO;          /* width of a pixel at distance 1. Positive if maxPixelError is not 0 */
 };
 
 /* Creates a surface without input.
@@ -306,8 +319,8 @@ CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
  * cage, grids, mesh: structSize is read.
  *
  * Return CBVH_ERROR_INVALID_ARGUMENT if a member is invalid; the message states which. After an error, the earlier
- * input is kept. Vertices that are not finite are no error. The functions do not check the vertices that grids and
- * meshes refer to: see cbvhCommitGroup and CbvhMesh. */
+ * input is kept. Vertices that are not finite are no error here, but see cbvhCommitGroup. The functions do not check
+ * the vertices that grids and meshes refer to: see cbvhCommitGroup and CbvhMesh. */
 CBVH_API enum CbvhError cbvhSetSurfaceCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetSurfaceGrids(CbvhSurface surface, const struct CbvhGrids* grids);
 CBVH_API enum CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
@@ -364,10 +377,11 @@ typedef int (*CbvhProgressFunction)(void* userPtr, double done);
  * userPtr:  passed to the progress function.
  *
  * Returns CBVH_ERROR_CANCELLED if the progress function cancels. Returns CBVH_ERROR_INVALID_OPERATION if the surface
- * has no input, if cbvhSetSurfaceAccuracy or cbvhSetSurfaceLossless changed it but no input was set again, or if a mesh
- * cannot be stored, for example because it has fewer than 256 quads or triangles. Returns CBVH_ERROR_INVALID_ARGUMENT
- * if a grid of over 2^24 vertices has a stride of 0. The message states the reason. After an error the surface is
- * unchanged and keeps its input. */
+ * has no input, or if cbvhSetSurfaceAccuracy or cbvhSetSurfaceLossless changed it but no input was set again. Returns
+ * CBVH_ERROR_INVALID_ARGUMENT if a grid of over 2^24 vertices has a stride of 0. The message states the reason. After
+ * an error the surface is unchanged and keeps its input.
+ *
+ * Prints a warning on stderr for a crease between two vertices that share no edge. Such a crease has no effect. */
 CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
 
 /* Returns the number of primitives of the input that was set last, or of a loaded surface; 0 if there is none. */
@@ -395,10 +409,11 @@ CBVH_API enum CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned i
 struct CbvhInterpolationPoints
 {
   size_t structSize CBVH_SIZE_OF(CbvhInterpolationPoints);
-  unsigned int primID, attribute;
-  size_t count;
-  const float *u, *v;             /* parameters of the points, as for a displacement function */
-  float *P, *dPdu, *dPdv;         /* written: count values of the attribute's width, without gaps. Each may be NULL */
+  unsigned int primID CBVH_ZERO, attribute CBVH_ZERO;
+  size_t count CBVH_ZERO;
+  const float *u CBVH_ZERO, *v CBVH_ZERO;  /* parameters of the points, as for a displacement function */
+  float *P CBVH_ZERO, *dPdu CBVH_ZERO, *dPdv CBVH_ZERO; /* written: count values of the attribute's width, without
+                                                         * gaps. Each may be NULL */
 };
 
 /* Evaluates an attribute of a cage at many points of a face. Displacement functions use it to look up height maps,
@@ -460,11 +475,15 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if a surface was never committed. The group is then unchanged.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT, once per group and commit of a surface, in three cases: a displacement function
- * returned numbers that are not finite; a grid has vertices outside of its buffer; faces were left out because they, or
- * faces at their vertices, have more than 16 corners, or because one of their vertices has more than 64 faces, or 63 at
- * a border, or fewer if these have more than 4 corners. The message names the surface ("geometry" and its index) and
- * the first face or grid, or the number of faces. The rest of the group is committed and can be traced. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT, once per group and commit of a surface, in three cases: a control vertex of a
+ * cage, or a vertex that a displacement function returned, is not finite; a grid has vertices outside of its buffer;
+ * faces were left out because they, or faces at their vertices, have more than 16 corners, or because one of their
+ * vertices has more than 1024 faces, or 1023 at a border, or fewer if these have more than 4 corners. The message names
+ * the surface ("geometry" and its index) and the first face or grid, or the number of faces. The rest of the group is
+ * committed and can be traced.
+ *
+ * Vertices of grids and meshes that are not finite are no error, because heights use them for missing samples.
+ * CbvhGroupStatistics counts the quads that they leave out, and names the first one. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Return the number of surfaces of a group, and one of them, or NULL for an index out of range. The surface is not
@@ -506,17 +525,23 @@ CBVH_API enum CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, u
  * lower, upper: written, or NULL. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
 
+/* An index that does not exist. */
+#define CBVH_NONE ((size_t)-1)
+
 /* Memory and size of a group. */
 struct CbvhGroupStatistics
 {
   size_t structSize CBVH_SIZE_OF(CbvhGroupStatistics);
-  size_t bytes;                 /* memory of the tree and all blocks, including blocks that groups share, without the
-                                 * attributes of cages */
-  size_t numQuads;              /* of the tessellation; two triangles of a mesh count as a quad */
-  size_t numMovingQuads;        /* quads with several time steps */
-  size_t numInvalidQuads;       /* quads that were left out because a vertex is not finite, or an index of a mesh is
-                                 * past the vertices */
-  float maxVertexDeviation;     /* world units: largest distance by which a vertex was moved */
+  size_t bytes CBVH_ZERO;                  /* memory of the tree and all blocks, including blocks that groups share,
+                                            * without the attributes of cages */
+  size_t numQuads CBVH_ZERO;               /* of the tessellation; two triangles of a mesh count as a quad */
+  size_t numMovingQuads CBVH_ZERO;         /* quads with several time steps */
+  size_t numInvalidQuads CBVH_ZERO;        /* quads that were left out because a vertex is not finite, or an index of
+                                            * a mesh is past the vertices */
+  float maxVertexDeviation CBVH_ZERO;      /* world units: largest distance by which a vertex was moved */
+  size_t firstInvalidSurface CBVH_ZERO;    /* if numInvalidQuads is not 0: index of the first surface with such quads
+                                            * that was not loaded from a file, or CBVH_NONE */
+  size_t firstInvalidPrimitive CBVH_ZERO;  /* its first face, grid, quad or triangle with such quads, or CBVH_NONE */
 };
 
 /* Returns the statistics of the last commit of a group, which the commit computed.
@@ -577,9 +602,9 @@ enum CbvhQueryFlags
 struct CbvhQuery
 {
   size_t structSize CBVH_SIZE_OF(CbvhQuery);
-  unsigned int flags;          /* bits of CbvhQueryFlags, all others 0 */
-  CbvhFilterFunction filter;   /* called on the tracing thread. NULL: every hit counts */
-  void* filterUserPtr;         /* passed to the filter function */
+  unsigned int flags CBVH_ZERO;         /* bits of CbvhQueryFlags, all others 0 */
+  CbvhFilterFunction filter CBVH_ZERO;  /* called on the tracing thread. NULL: every hit counts */
+  void* filterUserPtr CBVH_ZERO;        /* passed to the filter function */
 };
 
 /* Find closest hits. If a ray hits a surface at a distance from tnear to tfar, tfar becomes this distance, and the hit
@@ -713,13 +738,13 @@ struct CbvhCluster
 struct CbvhClusterStatistics
 {
   size_t structSize CBVH_SIZE_OF(CbvhClusterStatistics);
-  size_t numClusters, numTriangles;
-  size_t numVertices;             /* shared vertices count once for each cluster */
-  size_t bytes;                   /* of data */
-  size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
-                                   * DGF, whose blocks contain indices */
-  size_t numClustersByReason[8];  /* index: a CbvhClusterReason. Other entries are 0 */
-  size_t numTrianglesByReason[8]; /* the same */
+  size_t numClusters CBVH_ZERO, numTriangles CBVH_ZERO;
+  size_t numVertices CBVH_ZERO;              /* shared vertices count once for each cluster */
+  size_t bytes CBVH_ZERO;                    /* of data */
+  size_t indexBytes CBVH_ZERO;               /* of the indices of clusters that are not complete grids, 3 bytes per
+                                              * triangle. 0 for DGF, whose blocks contain indices */
+  size_t numClustersByReason[8] CBVH_ZERO;   /* index: a CbvhClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8] CBVH_ZERO;  /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning 0 ends the enumeration. */

@@ -60,13 +60,13 @@ struct RTCCompressedCluster
 struct RTCCompressedClusterStatistics
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedClusterStatistics); /* see rtcore_compression.h */
-  size_t numClusters, numTriangles;
-  size_t numVertices;             /* shared vertices count once for each cluster */
-  size_t bytes;                   /* of data */
-  size_t indexBytes;              /* of the indices of clusters that are not complete grids, 3 bytes per triangle. 0 for
-                                   * DGF, whose blocks contain indices */
-  size_t numClustersByReason[8];  /* index: an RTCCompressedClusterReason. Other entries are 0 */
-  size_t numTrianglesByReason[8]; /* the same */
+  size_t numClusters RTC_ZERO, numTriangles RTC_ZERO;
+  size_t numVertices RTC_ZERO;              /* shared vertices count once for each cluster */
+  size_t bytes RTC_ZERO;                    /* of data */
+  size_t indexBytes RTC_ZERO;               /* of the indices of clusters that are not complete grids, 3 bytes per
+                                             * triangle. 0 for DGF, whose blocks contain indices */
+  size_t numClustersByReason[8] RTC_ZERO;   /* index: an RTCCompressedClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8] RTC_ZERO;  /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning false ends the enumeration. */

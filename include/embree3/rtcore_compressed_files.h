@@ -143,12 +143,12 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 struct RTCCompressedFileGeometryInfo
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedFileGeometryInfo); /* see rtcore_compression.h */
-  enum RTCGeometryType type;                  /* of the geometry that was saved */
-  enum RTCCompression compression;            /* representation in the file */
-  unsigned int numPrimitives, numTimeSteps;
-  float startTime, endTime;                   /* times of the first and the last time step */
-  float lower[3], upper[3];                   /* bounds at all times; lower is above upper if they are empty */
-  size_t bytes;                               /* of its tree and blocks in the file */
+  enum RTCGeometryType type RTC_ZERO;          /* of the geometry that was saved */
+  enum RTCCompression compression RTC_ZERO;    /* representation in the file */
+  unsigned int numPrimitives RTC_ZERO, numTimeSteps RTC_ZERO;
+  float startTime RTC_ZERO, endTime RTC_ZERO;  /* times of the first and the last time step */
+  float lower[3] RTC_ZERO, upper[3] RTC_ZERO;  /* bounds at all times; lower is above upper if they are empty */
+  size_t bytes RTC_ZERO;                       /* of its tree and blocks in the file */
 };
 
 /* Returns the description of a geometry in a file, without loading the geometry.

@@ -17,8 +17,8 @@
  *   completely in mesh blocks.
  *
  * Grids and meshes are always stored as cVERT. Grids that compression would not make smaller are left to Embree's own
- * kernels, and so are meshes with fewer than 256 primitives or with RTC_BUILD_QUALITY_REFIT. The representation of a
- * geometry is the first of these that is set:
+ * kernels, and so are meshes with RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless
+ * RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The representation of a geometry is the first of these that is set:
  *
  * 1. the arguments of rtcSetGeometryCompression,
  * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",
@@ -28,20 +28,24 @@
  *
  * Compression leaves out quads with a vertex that is not finite, and grids that refer to vertices outside of the vertex
  * buffer. All other geometry is committed. The commit reports RTC_ERROR_INVALID_ARGUMENT on the committing thread for
- * such grids, and if a displacement function returns a vertex that is not finite. It reports once for each geometry
- * that changed since the last commit, and the message names the geometry and its first such face or grid. Vertices in
- * buffers that are not finite are not an error, as in Embree. cVOXEL stores patches with left-out quads as cLEAF.
+ * such grids, and if a control vertex of a subdivision surface, or a vertex that a displacement function returns, is
+ * not finite. It reports once for each geometry that changed since the last commit, and the message names the
+ * geometry and its first such face or grid. Vertices of grids and meshes that are not finite are no error, as in
+ * Embree: programs mark missing samples with them. RTCCompressionStatistics counts their quads and names the first one.
+ * cVOXEL stores patches with left-out quads as cLEAF.
+ *
+ * Faces that Embree's subdivision does not support are left out without an error, and the commit prints a line on
+ * stderr. See RTCCompressionStatistics::numUnsupportedFaces.
  *
  * Surfaces in cVERT, and in cLEAF with fallbackFaces, are watertight: one of the faces that share an edge or a corner
  * owns it, and all of them use the vertices that the owner evaluates. Grids of one geometry are watertight where they
  * share border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
- * struct. RTCCompressionArguments and RTCDicingArguments have members for which zero is not the default: declare them
- * without an initializer and call rtcInitCompressionArguments or rtcInitDicingArguments, which sets all members. For
- * the other structs write, for example, `struct RTCCompressionStatistics statistics = {.structSize =
- * sizeof(statistics)};` in C, and `RTCCompressionStatistics statistics = RTCCompressionStatistics();` in C++, where a
- * default member initializer sets structSize. Versions only append members:
+ * struct. In C++ default member initializers set structSize and all other members. In C write, for example, `struct
+ * RTCCompressionStatistics statistics = {.structSize = sizeof(statistics)};`. RTCCompressionArguments and
+ * RTCDicingArguments have members for which zero is not the default: in C call rtcInitCompressionArguments or
+ * rtcInitDicingArguments, which sets all members. Versions only append members:
  *
  * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
  *   larger struct than its own if all additional bytes are zero.
@@ -70,11 +74,15 @@
 #include "rtcore.h"
 #include "rtcore_compression_version.h"
 
-/* Default value of structSize in C++. C has none. */
+/* Default values of members in C++. C has none. */
 #if defined(__cplusplus)
 #  define RTC_COMPRESSION_SIZE_OF(type) = sizeof(type)
+#  define RTC_DEFAULT(...) = __VA_ARGS__
+#  define RTC_ZERO {}
 #else
 #  define RTC_COMPRESSION_SIZE_OF(type)
+#  define RTC_DEFAULT(...)
+#  define RTC_ZERO
 #endif
 
 RTC_NAMESPACE_BEGIN
@@ -128,7 +136,10 @@ enum RTCCompressionFlags
    * set the input again: vertices, and the faces with their indices, the grids, or the indices of a mesh.
    *
    * Has no effect on geometry that is not compressed. */
-  RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
+  RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0,
+
+  /* Compresses also meshes with fewer than 256 primitives, which are otherwise left to Embree. */
+  RTC_COMPRESSION_FLAG_SMALL_MESHES  = 1 << 1
 };
 
 /* Settings of one geometry. Call rtcInitCompressionArguments first. */
@@ -136,7 +147,7 @@ struct RTCCompressionArguments
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionArguments);
 
-  enum RTCCompression compression;
+  enum RTCCompression compression RTC_DEFAULT(RTC_COMPRESSION_INHERIT);
 
   /* Number of times that a face is halved along both parameters before frames are assigned. At frame level n, a face
    * tessellated at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n) quads, each with its own frame. If
@@ -146,7 +157,7 @@ struct RTCCompressionArguments
    * AUTO selects the coarsest frames that keep maxError; without maxError, blocks of 16 x 16 quads, which minimize
    * the product of memory and time. INHERIT selects the setting of the device, which is AUTO by default. cVERT has no
    * frames and ignores this. */
-  int frameLevel;
+  int frameLevel RTC_DEFAULT(RTC_COMPRESSION_FRAME_LEVEL_INHERIT);
 
   /* Error bound in world units. Negative inherits the setting of the device.
    *
@@ -159,26 +170,26 @@ struct RTCCompressionArguments
    *
    * cVOXEL, cLEAF: upper bound of the thickness of leaves. If frameLevel is AUTO, faces are split into finer frames
    * until their leaves keep the bound or a block has one quad. 0 is no bound. cGRID ignores this. */
-  float maxError;
+  float maxError RTC_DEFAULT(-1.0f);
 
   /* cVERT: the same bound in pixels of a camera; 0 is no bound. The spacing of a face is at most
    * maxPixelError*pixelSize*d, where d is the distance from the camera to the bounds of the face's vertices, enlarged
    * by a quarter. If maxError is set too, the smaller bound holds; otherwise this one replaces the default. */
-  float maxPixelError;
-  float cameraPosition[3];  /* in the space of the vertices; must be finite if maxPixelError is not 0 */
-  float pixelSize;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
+  float maxPixelError RTC_ZERO;
+  float cameraPosition[3] RTC_ZERO;  /* in the space of the vertices; must be finite if maxPixelError is not 0 */
+  float pixelSize RTC_ZERO;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
 
   /* cLEAF: 1 stores faces that leaves cannot represent (curved open borders and creases, walls, folds) as cVERT. 0
    * stores all faces as cLEAF. Negative inherits the setting of the device, which is 1 by default. */
-  int fallbackFaces;
+  int fallbackFaces RTC_DEFAULT(-1);
 
-  unsigned int flags; /* bits of RTCCompressionFlags */
+  unsigned int flags RTC_ZERO;  /* bits of RTCCompressionFlags */
 
   /* Progress function for rtcCommitGeometry with RTC_COMPRESSION_FLAG_RELEASE_INPUT, or NULL. It is called on any
    * thread, and by several threads at the same time, with the completed fraction, 0 to 1. If it returns false, the
    * commit is canceled: rtcCommitGeometry reports RTC_ERROR_CANCELLED, and the geometry keeps its input. */
-  RTCProgressMonitorFunction progress;
-  void* progressUserPtr;    /* passed to the progress function. Must be valid until the commit */
+  RTCProgressMonitorFunction progress RTC_ZERO;
+  void* progressUserPtr RTC_ZERO;  /* passed to the progress function. Must be valid until the commit */
 };
 
 /* Sets all arguments to inherit the settings of the device. args: written, not NULL. */
@@ -219,39 +230,52 @@ RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCom
 struct RTCCompressionStatistics
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionStatistics);
-  size_t topLevelBytes;         // full-precision BVH over blocks and grids
-  size_t headerBytes;           // headers of all blocks: frame, IDs, parametrization
-  size_t nodeBytes;             // compressed inner nodes
-  size_t leafBytes;             // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
-  size_t uncompressedBytes;     // Embree's grids of quads that are not compressed, see numUncompressedQuads
-  size_t numBlocks;
-  size_t numQuads;              // quads in blocks
-  size_t numUncompressedQuads;  // quads in the same BVH that Embree's GRID traces instead
-  size_t numInvalidQuads;       // quads left out because a vertex is not finite, or an index of a mesh is past the
-                                // vertices
-  size_t numAffineBlocks;       // blocks that have an affine frame because a projective frame was not possible
-  size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: rays hit their box
-  float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
-  size_t numRawBlocks;          // cVERT: blocks that store floats, because these need no more bytes or a vertex is not
-                                // finite
-  float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
-  float  maxVertexDeviation;    // cVERT, world units: largest distance of a stored vertex from the vertex that its face
-                                // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
-  float  maxBorderMismatch;     // cVERT, cLEAF, world units: largest distance between the vertices that two faces
-                                // evaluate at the same place; the stored surface has no such gap
-  size_t numFallbackQuads;      // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::fallbackFaces
-  size_t numFlippedQuads;       // quads whose stored normal differs from their vertices' normal by more than 90 degrees
-  size_t numMeshQuads;          // quads of quad meshes in blocks, plus pairs of triangles of triangle meshes
-  size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads
-  size_t numMovingQuads;        // quads with several time steps
-  size_t motionBytes;           // the part of leafBytes for all time steps but the first
-  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: they, or faces at
-                                // their vertices, have 1, 2 or more than 16 corners, or one of their vertices has more
-                                // than 64 faces, or 63 at a border, or fewer if these have more than 4 corners
-  size_t inputBytes;            // buffers of compressed geometries that Embree allocated and that were not released,
-                                // and Embree's copies of their topology
-  size_t cacheBytesPerThread;   // largest size of the caches in which each tracing thread keeps decoded blocks; threads
-                                // allocate a cache when they first need it, and share it among all scenes
+  size_t topLevelBytes RTC_ZERO;             // full-precision BVH over blocks and grids
+  size_t headerBytes RTC_ZERO;               // headers of all blocks: frame, IDs, parametrization
+  size_t nodeBytes RTC_ZERO;                 // compressed inner nodes
+  size_t leafBytes RTC_ZERO;                 // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
+  size_t uncompressedBytes RTC_ZERO;         // Embree's grids of quads that are not compressed, see
+                                             // numUncompressedQuads
+  size_t numBlocks RTC_ZERO;
+  size_t numQuads RTC_ZERO;                  // quads in blocks
+  size_t numUncompressedQuads RTC_ZERO;      // quads in the same BVH that Embree's GRID traces instead
+  size_t numInvalidQuads RTC_ZERO;           // quads left out because a vertex is not finite, or an index of a mesh is
+                                             // past the vertices
+  size_t numAffineBlocks RTC_ZERO;           // blocks that have an affine frame because a projective frame was not
+                                             // possible
+  size_t numSolidLeaves RTC_ZERO;            // cLEAF leaves that heights cannot bound: rays hit their box
+  float  maxLeafThickness RTC_ZERO;          // world units: largest distance between the two bounds of a leaf, over its
+                                             // quad
+  size_t numRawBlocks RTC_ZERO;              // cVERT: blocks that store floats, because these need no more bytes or a
+                                             // vertex is not finite
+  float  maxVertexSpacing RTC_ZERO;          // cVERT, world units: largest spacing of a lattice
+  float  maxVertexDeviation RTC_ZERO;        // cVERT, world units: largest distance of a stored vertex from the vertex
+                                             // that its face evaluated, or on shared borders the face that owns it.
+                                             // cLEAF: on borders only
+  float  maxBorderMismatch RTC_ZERO;         // cVERT, cLEAF, world units: largest distance between the vertices that
+                                             // two faces evaluate at the same place; the stored surface has no such gap
+  size_t numFallbackQuads RTC_ZERO;          // cLEAF: quads of faces stored as cVERT, see
+                                             // RTCCompressionArguments::fallbackFaces
+  size_t numFlippedQuads RTC_ZERO;           // quads whose stored normal differs from their vertices' normal by more
+                                             // than 90 degrees
+  size_t numMeshQuads RTC_ZERO;              // quads of quad meshes in blocks, plus pairs of triangles of triangle
+                                             // meshes
+  size_t numIrregularQuads RTC_ZERO;         // those of numMeshQuads that are in no grid of at least 4 x 4 quads
+  size_t numMovingQuads RTC_ZERO;            // quads with several time steps
+  size_t motionBytes RTC_ZERO;               // the part of leafBytes for all time steps but the first
+  size_t numUnsupportedFaces RTC_ZERO;       // faces left out because Embree's subdivision does not support them: they,
+                                             // or faces at their vertices, have 1, 2 or more than 16 corners, or one of
+                                             // their vertices has more than 1024 faces, or 1023 at a border, or fewer
+                                             // if these have more than 4 corners
+  size_t inputBytes RTC_ZERO;                // buffers of compressed geometries that Embree allocated and that were not
+                                             // released, and Embree's copies of their topology
+  size_t cacheBytesPerThread RTC_ZERO;       // largest size of the caches in which each tracing thread keeps decoded
+                                             // blocks; threads allocate a cache when they first need it, and share it
+                                             // among all scenes
+  unsigned int firstInvalidGeomID RTC_ZERO;     // if numInvalidQuads is not 0: the first geometry with such quads that
+                                                // was not loaded from a file, or RTC_INVALID_GEOMETRY_ID
+  unsigned int firstInvalidPrimID RTC_ZERO;     // its first face, grid, quad or triangle with such quads, or
+                                                // RTC_INVALID_GEOMETRY_ID
 };
 
 /* Returns the statistics of the last commit of a scene, which the commit computed. All members are zero if the scene

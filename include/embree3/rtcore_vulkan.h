@@ -65,13 +65,15 @@ typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
 struct RTCVulkanDeviceInfo
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
-  char name[256];              /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-  char driver[256];            /* name and version of the driver */
-  char unsupportedReason[256]; /* features that the device lacks, or an error of its driver; empty if it is supported */
-  unsigned int isDiscrete;     /* 1 if the device has its own memory */
-  unsigned int hasFloat64;     /* 1 if it has shaderFloat64 */
-  size_t memoryBytes;          /* size of the largest heap of the device's memory */
-  unsigned int hasRayQuery;    /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their features */
+  char name[256] RTC_ZERO;               /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
+  char driver[256] RTC_ZERO;             /* name and version of the driver */
+  char unsupportedReason[256] RTC_ZERO;  /* features that the device lacks, or an error of its driver; empty if it is
+                                          * supported */
+  unsigned int isDiscrete RTC_ZERO;      /* 1 if the device has its own memory */
+  unsigned int hasFloat64 RTC_ZERO;      /* 1 if it has shaderFloat64 */
+  size_t memoryBytes RTC_ZERO;           /* size of the largest heap of the device's memory */
+  unsigned int hasRayQuery RTC_ZERO;     /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their
+                                          * features */
 };
 
 /* Lists the Vulkan devices of the machine, in the order of the Vulkan loader.
@@ -107,16 +109,16 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice device, const char* selecto
 struct RTCVulkanDeviceHandles
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceHandles); /* see rtcore_compression.h */
-  PFN_vkGetInstanceProcAddr getInstanceProcAddr;
-  VkInstance instance;              /* created for Vulkan 1.2 or later */
-  VkPhysicalDevice physicalDevice;
-  VkDevice device;                  /* with bufferDeviceAddress and scalarBlockLayout enabled */
-  VkQueue queue;                    /* supports compute */
-  uint32_t queueFamily;             /* family of `queue`, and of all queues that trace scenes of the device */
-  unsigned int hasFloat64;          /* 1 if shaderFloat64 is enabled */
-  unsigned int hasHostImport;       /* 1 if VK_EXT_external_memory_host is enabled */
-  unsigned int hasRayQuery;         /* 1 if VK_KHR_acceleration_structure and VK_KHR_ray_query are enabled with their
-                                     * features */
+  PFN_vkGetInstanceProcAddr getInstanceProcAddr RTC_ZERO;
+  VkInstance instance RTC_ZERO;         /* created for Vulkan 1.2 or later */
+  VkPhysicalDevice physicalDevice RTC_ZERO;
+  VkDevice device RTC_ZERO;             /* with bufferDeviceAddress and scalarBlockLayout enabled */
+  VkQueue queue RTC_ZERO;               /* supports compute */
+  uint32_t queueFamily RTC_ZERO;        /* family of `queue`, and of all queues that trace scenes of the device */
+  unsigned int hasFloat64 RTC_ZERO;     /* 1 if shaderFloat64 is enabled */
+  unsigned int hasHostImport RTC_ZERO;  /* 1 if VK_EXT_external_memory_host is enabled */
+  unsigned int hasRayQuery RTC_ZERO;    /* 1 if VK_KHR_acceleration_structure and VK_KHR_ray_query are enabled with
+                                         * their features */
 };
 
 /* Creates a device from the application's handles.
@@ -171,12 +173,13 @@ enum RTCVulkanTraversal
 struct RTCVulkanSceneArguments
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneArguments); /* see rtcore_compression.h */
-  enum RTCVulkanMemory memory;
-  enum RTCVulkanTraversal traversal;
-  RTCVulkanScene previousScene; /* for ray queries: a scene from before an edit, or NULL. If a geometry has new blocks,
-                                 * but the same number of them, the driver updates the structure of the previous scene.
-                                 * This is faster than a build; rays become slower the farther the geometry has moved.
-                                 * Of the same device, also for ray queries. Read during the call only */
+  enum RTCVulkanMemory memory RTC_ZERO;
+  enum RTCVulkanTraversal traversal RTC_ZERO;
+  RTCVulkanScene previousScene RTC_ZERO;  /* for ray queries: a scene from before an edit, or NULL. If a geometry has
+                                           * new blocks, but the same number of them, the driver updates the
+                                           * structure of the previous scene. This is faster than a build; rays
+                                           * become slower the farther the geometry has moved. Of the same device,
+                                           * also for ray queries. Read during the call only */
 };
 
 /* Puts a committed scene on a device, with the scenes that it instances.
@@ -245,16 +248,18 @@ RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelera
 struct RTCVulkanSceneStatistics
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneStatistics); /* see rtcore_compression.h */
-  size_t deviceBytes;       /* total memory on the device, including memory that scenes share */
-  size_t importedBytes;     /* host memory that the device reads in place */
-  size_t topLevelBytes;     /* tree above the blocks, and addresses of blocks */
-  size_t numNodes, numBlocks, numGeometries, numInstances;
-  unsigned int stackSize;   /* stack entries that a ray may need: the smallest CBVH_STACK_SIZE of a shader */
-  size_t uploadedBytes;     /* bytes sent to the device for this scene, without shared ones */
+  size_t deviceBytes RTC_ZERO;      /* total memory on the device, including memory that scenes share */
+  size_t importedBytes RTC_ZERO;    /* host memory that the device reads in place */
+  size_t topLevelBytes RTC_ZERO;    /* tree above the blocks, and addresses of blocks */
+  size_t numNodes RTC_ZERO, numBlocks RTC_ZERO, numGeometries RTC_ZERO, numInstances RTC_ZERO;
+  unsigned int stackSize RTC_ZERO;  /* stack entries that a ray may need: the smallest CBVH_STACK_SIZE of a shader */
+  size_t uploadedBytes RTC_ZERO;    /* bytes sent to the device for this scene, without shared ones */
   /* of scenes for ray queries */
-  size_t structureBytes;    /* the driver's structures, part of deviceBytes, including structures that scenes share */
-  size_t numBoxes;          /* in bottom-level structures, each structure counted once */
-  size_t numBuiltBoxes, numUpdatedBoxes; /* boxes in structures that were built, or updated, for this scene */
+  size_t structureBytes RTC_ZERO;   /* the driver's structures, part of deviceBytes, including structures that scenes
+                                     * share */
+  size_t numBoxes RTC_ZERO;         /* in bottom-level structures, each structure counted once */
+  size_t numBuiltBoxes RTC_ZERO, numUpdatedBoxes RTC_ZERO; /* boxes in structures that were built, or updated, for
+                                                            * this scene */
 };
 
 /* Returns the statistics of a scene.
@@ -318,9 +323,9 @@ typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 struct RTCVulkanTraceTimes
 {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanTraceTimes); /* see rtcore_compression.h */
-  double traceSeconds;     /* tracing on the device, without copies */
-  double copySeconds;      /* copies of rays and hits on the device */
-  double sortSeconds;      /* sorting of rays, see rtcSetVulkanSceneRaySorting */
+  double traceSeconds RTC_ZERO;  /* tracing on the device, without copies */
+  double copySeconds RTC_ZERO;   /* copies of rays and hits on the device */
+  double sortSeconds RTC_ZERO;   /* sorting of rays, see rtcSetVulkanSceneRaySorting */
 };
 
 /* Start tracing an array of `count` rays in host memory, and return before they are traced.

@@ -17,6 +17,11 @@ namespace {
 
 constexpr size_t maxPrimitive = 0xFFFFFFFFu; // primitive numbers have 32 bits
 
+/* Converts an index, or CompressionStatistics::noPrimitive to CBVH_NONE. */
+size_t sizeOf(unsigned int index) {
+  return index == embree::cbvh::CompressionStatistics::noPrimitive ? CBVH_NONE : index;
+}
+
 /* Lets a new scene allocate everything that attaching geometries with the IDs 0 to count-1 needs. Embree loses an ID if
  * it runs out of memory while it attaches a geometry. */
 void reserveGeometryIDs(const CbvhContextTy& context, RTCScene scene, size_t count)
@@ -85,8 +90,8 @@ void CbvhGroupTy::commit()
   if (numUnsupportedFaces != 0)
     throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
       std::to_string(numUnsupportedFaces)
-        + " face(s) left out: expected at most 16 corners in them and in the faces at their vertices, and at most 64 "
-          "faces per vertex (63 at a border, fewer if these have more than 4 corners)"};
+        + " face(s) left out: expected at most 16 corners in them and in the faces at their vertices, and at most 1024 "
+          "faces per vertex (1023 at a border, fewer if these have more than 4 corners)"};
 }
 
 /* Called after each commit, because a later call could fail: if the commit of another group changes a surface's mask,
@@ -99,7 +104,9 @@ void CbvhGroupTy::updateStatistics()
   statistics.numMovingQuads = all.numMovingQuads;
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;
-  isCommitted = true;
+  statistics.firstInvalidSurface = all.numInvalidQuads ? sizeOf(all.firstInvalidGeometry) : 0;
+  statistics.firstInvalidPrimitive = all.numInvalidQuads ? sizeOf(all.firstInvalidPrimitive) : 0;
+  isCommitted = wasCommitted = true;
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)

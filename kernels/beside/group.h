@@ -21,7 +21,8 @@ struct CbvhGroupTy : embree::beside::RefCounted
   // index of each surface's first primitive in the group, then the count of all primitives; zeros before a commit
   std::vector<size_t> firstPrimitive;
   CbvhGroupStatistics statistics = CbvhGroupStatistics(); // of the last commit
-  bool isCommitted = false;
+  bool isCommitted = false;  // false after a commit that failed
+  bool wasCommitted = false; // true from the first commit that did not fail
   void* userPtr = nullptr;
 
 private:

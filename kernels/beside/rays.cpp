@@ -60,6 +60,23 @@ __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQue
   return trace(&converted);
 }
 
+/* Reports that a group was never committed. Not inlined, to keep the usual path short. */
+__attribute__((noinline)) void reportUncommitted(CbvhGroup group)
+{
+  embree::beside::guarded(group->context.get(), [] {
+    throw embree::beside::Failure{CBVH_ERROR_INVALID_OPERATION,
+      "the group is not committed: call cbvhCommitGroup first"};
+  });
+}
+
+/* True if rays can be traced. Otherwise reports an error. */
+inline bool isTraceable(CbvhGroup group)
+{
+  if (__builtin_expect(group->wasCommitted, true)) return true;
+  reportUncommitted(group);
+  return false;
+}
+
 template<unsigned int K> struct PacketKernels;
 template<> struct PacketKernels<4>
 {
@@ -98,6 +115,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
+  if (!isTraceable(group)) return 0;
   typename PacketKernels<K>::RayHits& packet = *(typename PacketKernels<K>::RayHits*)rays;
   static const AllValid<K> all;
   if (!valid) valid = all.valid;
@@ -124,6 +142,7 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
+  if (!isTraceable(group)) return 0;
   typename PacketKernels<K>::Rays& packet = *(typename PacketKernels<K>::Rays*)rays;
   static const AllValid<K> all;
   if (!valid) valid = all.valid;
@@ -143,6 +162,7 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return cbvhIntersect1(group, ray, converted); });
+  if (!isTraceable(group)) return 0;
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
   const unsigned int geomID = rayHit->hit.geomID, instID = rayHit->hit.instID[0];
   rayHit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -160,7 +180,7 @@ int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
       [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
-  if (ray->tfar < 0) return 0;
+  if (!isTraceable(group) || ray->tfar < 0) return 0;
   QueryContext context(query);
   rtcOccluded1(group->scene, &context.rtcContext, (RTCRay*)ray);
   return ray->tfar < 0;

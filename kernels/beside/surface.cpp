@@ -408,6 +408,8 @@ embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accura
   embree::CompressionSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
   settings.releasesInput = true;
+  settings.storesSmallMeshes = true; // the application may have no other way to trace them
+  settings.warnsOfFaces = false; // cbvhCommitGroup reports them
   if (isLossless) settings.maxError = 0;
   else if (accuracy.maxError > 0) settings.maxError = accuracy.maxError;
   settings.maxPixelError = accuracy.maxPixelError;

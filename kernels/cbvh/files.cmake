@@ -22,6 +22,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/core/struct_size.cpp
   cvert/basics/reason.cpp
   cvert/file/checksum.cpp
+  cvert/file/directory.cpp
   cvert/file/file.cpp
   cvert/file/record.cpp
   cvert/file/writer.cpp

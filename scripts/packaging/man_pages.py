@@ -35,10 +35,11 @@ TYPE = re.compile(
     re.S | re.M,
 )
 LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
-SIZE_OF = re.compile(r" (?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)")  # the default of structSize in C++
+DEFAULT = re.compile(  # the default of a member in C++
+    r" (?:(?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)|RTC_DEFAULT\([^)]*\)|RTC_ZERO|CBVH_ZERO(?:14)?)(?=[;,])")
 INIT_FUNCTION = re.compile(r"Call \w+Init\w+ first")  # in the comment of a struct; sets structSize
 STRUCT_SIZE = (
-    "Set structSize to the sizeof of its struct: in C++, T s = T() does so; in C, T s = {.structSize = sizeof(s)}."
+    "Set structSize to the sizeof of its struct: in C++, T s; does so; in C, T s = {.structSize = sizeof(s)}."
 )
 SECTIONS = {"Returns ": "RETURN VALUE", "Return ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 FIRST_VERSION = "0.9.0"
@@ -116,7 +117,7 @@ def paragraphs(lines, arguments):
 
 def types_of(header):
     """Returns all types of a header by name."""
-    header = SIZE_OF.sub("", header)
+    header = DEFAULT.sub("", header)
     found = (Type(m["name"] or m["callback"], m["comment"] or "", m["text"]) for m in TYPE.finditer(header))
     return {type_.name: type_ for type_ in found}
 

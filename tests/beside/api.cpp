@@ -776,7 +776,7 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
 {
   Context context;
   Displacement displacement;
-  const Cage poles = trapezohedronCage(65), sheet = sheetCage(12);
+  const Cage poles = trapezohedronCage(1025), sheet = sheetCage(46);
   ASSERT_GT(sheet.faces.size(), poles.faces.size());
   for (bool isOwn : {false, true}) {
     const Cage& cage = isOwn ? sheet : poles;
@@ -798,18 +798,148 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
     points.u = &u;
     points.v = &v;
     points.P = &value;
-    for (unsigned face : {0u, 7u, 129u}) {
+    for (unsigned face : {0u, 7u, 2049u}) {
       points.primID = face;
-      const std::vector<std::string> parts = {"face " + std::to_string(face) + " ", "16 ", "64 "};
+      const std::vector<std::string> parts = {"face " + std::to_string(face) + " ", "16 ", "1024 "};
       const CbvhError error = cbvhInterpolateAttribute(surface, face, u, v, 0, &value, nullptr, nullptr);
       context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, parts);
       context.expect(cbvhInterpolateAttributeAtPoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, parts);
       EXPECT_EQ(value, -1) << "face " << face;
     }
     if (!isOwn) continue;
-    ASSERT_EQ(cbvhInterpolateAttribute(surface, 140, u, v, 0, &value, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhInterpolateAttribute(surface, 2100, u, v, 0, &value, nullptr, nullptr), CBVH_OK)
+      << cbvhGetErrorText();
     EXPECT_NEAR(value, 2, 1e-5f);
   }
+}
+
+TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed)
+{
+  Context context;
+  Displacement displacement;
+  Cage cage = sheetCage(8);
+  cage.positions[31][0] = NAN;
+  const CageInput bad(cage, settingsOf(displacement, 1, 4)), good(cubeCage(), settingsOf(displacement, 1, 4));
+  const Surface surfaces[2] = {Surface(context), Surface(context)};
+  for (const CageInput* input : {&good, &bad}) {
+    const Surface& surface = surfaces[input == &bad];
+    ASSERT_EQ(cbvhSetSurfaceCage(surface, &input->cage), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  }
+  const Group group(context, {surfaces[0], surfaces[1]});
+  context.expect(group.committed, CBVH_ERROR_INVALID_ARGUMENT,
+                 {"geometry 1, face 10:", " vertex 31 ", "finite", " 16 face", " 256 quads"});
+  CbvhGroupStatistics statistics;
+  ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
+  EXPECT_EQ(statistics.numInvalidQuads, 256u);
+  EXPECT_EQ(statistics.firstInvalidSurface, 1u);
+  EXPECT_EQ(statistics.firstInvalidPrimitive, 10u);
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << "reported once: " << cbvhGetErrorText();
+}
+
+// A missing sample of a terrain is no error.
+TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed)
+{
+  Context context;
+  const Surface surface(context);
+  std::vector<Vec> vertices;
+  for (unsigned i = 0; i <= 2*9*9; i++) vertices.push_back({float(i % 9), float(i/9), 0});
+  vertices[9*9 + 40][2] = NAN;
+  const float* const steps[] = {&vertices[0][0]};
+  const CbvhGrid all[] = {{0, 9, 9, 9}, {9*9, 9, 9, 9}};
+  CbvhGrids grids;
+  grids.numGrids = 2;
+  grids.grids = all;
+  grids.vertices = {2*9*9, 12, steps, 1, 0, 1};
+  ASSERT_EQ(cbvhSetSurfaceGrids(surface, &grids), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  const Group group(context, {surface});
+  EXPECT_EQ(group.committed, CBVH_OK) << cbvhGetErrorText();
+  CbvhGroupStatistics statistics;
+  ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
+  EXPECT_EQ(statistics.numInvalidQuads, 4u);
+  EXPECT_EQ(statistics.firstInvalidSurface, 0u);
+  EXPECT_EQ(statistics.firstInvalidPrimitive, 1u);
+}
+
+TEST(Beside, MeshesAreStoredFromOneTriangleOn)
+{
+  Context context;
+  const float vertices[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
+  const float* const steps[] = {vertices[0]};
+  const unsigned indices[] = {0, 1, 2, 3};
+  for (unsigned corners : {3u, 4u}) {
+    const Surface surface(context);
+    CbvhMesh mesh;
+    mesh.verticesPerFace = corners;
+    mesh.numFaces = 1;
+    mesh.indices = indices;
+    mesh.vertices = {4, 12, steps, 1, 0, 1};
+    ASSERT_EQ(cbvhSetSurfaceMesh(surface, &mesh), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    const Group group(context, {surface});
+    ASSERT_EQ(group.committed, CBVH_OK) << cbvhGetErrorText();
+    CbvhRayHit ray = rayFromAbove();
+    ray.ray.org_x = 0.7f;
+    ray.ray.org_y = 0.3f;
+    EXPECT_EQ(cbvhIntersect1(group, &ray, nullptr), 1);
+    EXPECT_EQ(ray.ray.tfar, 5);
+    EXPECT_EQ(ray.hit.primID, 0u);
+    ray = rayFromAbove();
+    ray.ray.org_x = 0.3f;
+    ray.ray.org_y = 0.7f;
+    EXPECT_EQ(cbvhOccluded1(group, &ray.ray, nullptr), corners == 4);
+  }
+}
+
+TEST(Beside, RaysIntoGroupsThatWereNeverCommitted)
+{
+  Context context;
+  const Surface surface(context);
+  Displacement displacement;
+  const CageInput input(cubeCage(), settingsOf(displacement, 1, 4));
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  CbvhGroup group = nullptr;
+  const CbvhSurface handle = surface;
+  ASSERT_EQ(cbvhNewGroup(context, &handle, 1, &group), CBVH_OK);
+  const std::vector<std::string> parts = {"group is not committed", "cbvhCommitGroup"};
+  const auto expect = [&](unsigned hits) {
+    EXPECT_EQ(hits, 0u);
+    context.expect(CBVH_ERROR_INVALID_OPERATION, CBVH_ERROR_INVALID_OPERATION, parts);
+  };
+  CbvhRayHit ray = rayFromAbove();
+  alignas(64) RTCRayHit16 packet = RTCRayHit16();
+  expect(cbvhIntersect1(group, &ray, nullptr));
+  expect(cbvhOccluded1(group, &ray.ray, nullptr));
+  expect(cbvhIntersect4(group, nullptr, &packet, nullptr));
+  expect(cbvhIntersect8(group, nullptr, &packet, nullptr));
+  expect(cbvhIntersect16(group, nullptr, &packet, nullptr));
+  expect(cbvhOccluded4(group, nullptr, &packet, nullptr));
+  expect(cbvhOccluded8(group, nullptr, &packet, nullptr));
+  expect(cbvhOccluded16(group, nullptr, &packet, nullptr));
+  EXPECT_EQ(ray.ray.tfar, INFINITY);
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK);
+  EXPECT_EQ(cbvhIntersect1(group, &ray, nullptr), 1);
+  cbvhReleaseGroup(group);
+}
+
+// They have no effect, as in OpenSubdiv.
+TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed)
+{
+  Context context;
+  const Surface surface(context);
+  Cage cage = cubeCage();
+  cage.creases = {{0, 1}, {0, 7}};
+  cage.creaseWeights = {1, 1};
+  Displacement displacement;
+  const CageInput input(cage, settingsOf(displacement, 1, 4));
+  ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(containsInOrder(text, {"crease 1 ", "vertices 0 and 7", "edge"})) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
 }
 
 TEST(Beside, TrianglesAreReported)

@@ -15,10 +15,13 @@
 #include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <stdexcept>
+#include <type_traits>
 
 namespace embree { namespace core {
 
@@ -338,6 +341,54 @@ TEST(StructGrowth, MissingMembersAreZeroAndNotWritten)
   EXPECT_THROW(embree::core::requireStruct(&application), std::invalid_argument);
   application.structSize = 20; // ends inside a member
   EXPECT_THROW(embree::core::readStruct(&application), std::invalid_argument);
+}
+
+// Default initialization, as in `CbvhCage cage;`, in memory that is not zero.
+template<typename T>
+void expectDefaults(const T& defaults)
+{
+  static_assert(std::is_aggregate_v<T>, "brace initialization must remain possible");
+  alignas(T) unsigned char memory[sizeof(T)];
+  std::memset(memory, 0xAB, sizeof(memory));
+  const T* const t = new (memory) T;
+  std::vector<unsigned char> padding(sizeof(T)); // bytes that no initialization writes
+  alignas(T) unsigned char again[sizeof(T)];
+  std::memset(again, 0xCD, sizeof(again));
+  new (again) T;
+  for (size_t i = 0; i < sizeof(T); i++) {
+    const bool isPadding = memory[i] == 0xAB && again[i] == 0xCD;
+    EXPECT_TRUE(isPadding || memory[i] == ((const unsigned char*)&defaults)[i])
+      << testing::internal::GetTypeName<T>() << ", byte " << i;
+    padding[i] = isPadding;
+  }
+  EXPECT_LE(std::count(padding.begin(), padding.end(), 1), 8) << testing::internal::GetTypeName<T>();
+  (void)t;
+}
+
+TEST(DefaultMemberInitializers, SetAllMembers)
+{
+  RTCCompressionArguments arguments;
+  std::memset((void*)&arguments, 0, sizeof(arguments));
+  rtcInitCompressionArguments(&arguments);
+  expectDefaults(arguments);
+  RTCDicingArguments dicing;
+  std::memset((void*)&dicing, 0, sizeof(dicing));
+  rtcInitDicingArguments(&dicing);
+  expectDefaults(dicing);
+  const auto zeros = [](auto value) {
+    std::memset((void*)&value, 0, sizeof(value));
+    value.structSize = sizeof(value);
+    expectDefaults(value);
+  };
+  zeros(CbvhCage()); zeros(CbvhGrids()); zeros(CbvhMesh()); zeros(CbvhDicingArguments()); zeros(CbvhAccuracy());
+  zeros(CbvhInterpolationPoints()); zeros(CbvhGroupStatistics()); zeros(CbvhQuery()); zeros(CbvhClusterStatistics());
+  zeros(RTCCompressionStatistics()); zeros(RTCCompressedFileGeometryInfo()); zeros(RTCCompressedClusterStatistics());
+  CbvhVertices vertices;
+  std::memset((void*)&vertices, 0, sizeof(vertices));
+  expectDefaults(vertices);
+  CbvhAttribute attribute;
+  std::memset((void*)&attribute, 0, sizeof(attribute));
+  expectDefaults(attribute);
 }
 
 } // namespace

@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <random>
 #include <vector>
 
 namespace cbvh::test {
@@ -482,6 +483,48 @@ TEST(MeshBlock, BuffersHoldAllSizes)
 }
 
 /* --- strips ---------------------------------------------------------------------------- */
+
+// Groups are divided at the end of a block, because of vertices or strips. At the first seeds, cutting off a half
+// divides the last group elsewhere: the shorter block then ends earlier, within another quad.
+TEST(MeshBlock, HalvesOfAQuadStayInOneBlock)
+{
+  std::vector<uint32_t> seeds = {34854, 46029, 52542, 73968, 112940, 211336, 256211, 275941, 276798, 479549};
+  for (uint32_t i = 0; i < 300; i++) seeds.push_back(i);
+  auto encoder = std::make_unique<MeshEncoder>();
+  Encoded encoded;
+  size_t divided = 0;
+  for (uint32_t s : seeds) {
+    std::mt19937 random(s);
+    const auto below = [&](uint32_t n) { return uint32_t(random() % n); };
+    Mesh mesh;
+    MeshGroups groups;
+    const uint32_t numGroups = 9 + below(8);
+    for (uint32_t g = 0; g < numGroups && mesh.size() < 254; g++) {
+      const uint32_t points = 20 + below(30), room = uint32_t(256 - mesh.size());
+      for (uint32_t n = std::min(2*(8 + below(9)), room); n > 0; n--) {
+        uint32_t c[3];
+        do for (uint32_t& corner : c) corner = below(points);
+        while (c[0] == c[1] || c[1] == c[2] || c[0] == c[2]);
+        const auto point = [&](uint32_t i) { return Point{float(i + 100*g), float(i*7 % 13), float(i*5 % 11)}; };
+        add(mesh, point(c[0]), point(c[1]), point(c[2]), uint32_t(mesh.size()));
+      }
+      groups.add(uint32_t(mesh.size()));
+    }
+    MeshStatistics statistics;
+    uint32_t next = 0;
+    encoder->encodeCluster(mesh.data(), groups, true, 1, encoded.bytes, statistics,
+      [&](size_t, uint32_t first, uint32_t count) {
+        EXPECT_EQ(first, next);
+        next = first + count;
+        if (next == mesh.size()) return;
+        EXPECT_EQ(next % 2, 0u) << "seed " << s;
+        EXPECT_GE(count + 1, maxMeshGroups);
+        divided++;
+      });
+    ASSERT_EQ(next, mesh.size());
+  }
+  EXPECT_GT(divided, 200u);
+}
 
 TEST(MeshStrips, MasksMarkTriangles)
 {

@@ -129,6 +129,18 @@ TEST(VertRule, TriangleWithNonFiniteVertexContainsNothing)
     }
 }
 
+// Sides of such triangles overflow, so that exact signs decide.
+TEST(VertRule, FiniteVerticesOfAnySizeAreHit)
+{
+  for (float scale : {1e-38f, 1.0f, 1e18f, 1e37f, 5e37f, 1e38f, 1.7e38f}) {
+    const float one = scale, two = 2*scale;
+    const TriangleSides<float> sides = triangleSides(-one, -one, two, -one, -one, two);
+    ASSERT_TRUE(mayContain(sides.w0, sides.w1, sides.w2)) << scale;
+    EXPECT_TRUE(contains(-one, -one, two, -one, -one, two)) << scale;
+    EXPECT_FALSE(contains(one, one, two, one, one, two)) << scale;
+  }
+}
+
 // Between the parameters of the vertices, which match GRID's: vertex i of n quads has the parameter of vertex floor((i
 // + 1/2) rate / n) of the edge.
 TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)

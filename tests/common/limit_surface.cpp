@@ -12,6 +12,9 @@
 #include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
 
+#include <map>
+#include <tuple>
+
 namespace cbvh::test {
 namespace {
 
@@ -213,6 +216,45 @@ TEST(LimitSurface, MatchesEmbreeOnSmoothCages)
   }
 }
 
+/* A sphere of triangles at the poles, and quads between three circles of latitude. */
+Cage globe(unsigned meridians)
+{
+  Cage cage;
+  cage.name = "globe";
+  for (unsigned circle = 1; circle <= 3; circle++)
+    for (unsigned i = 0; i < meridians; i++)
+    {
+      const double latitude = M_PI * circle / 4, longitude = 2 * M_PI * i / meridians;
+      cage.positions.push_back({float(std::sin(latitude) * std::cos(longitude)),
+                                float(std::sin(latitude) * std::sin(longitude)), float(std::cos(latitude))});
+    }
+  cage.positions.push_back({0, 0, 1});
+  cage.positions.push_back({0, 0, -1});
+  const unsigned north = 3 * meridians, south = north + 1;
+  for (unsigned i = 0; i < meridians; i++)
+  {
+    const unsigned next = (i + 1) % meridians, last = 2 * meridians;
+    cage.faceSizes.insert(cage.faceSizes.end(), {3, 4, 4, 3});
+    cage.faceIndices.insert(cage.faceIndices.end(), {north, i, next});
+    for (unsigned from : {0u, meridians})
+      cage.faceIndices.insert(cage.faceIndices.end(),
+                              {from + i, from + meridians + i, from + meridians + next, from + next});
+    cage.faceIndices.insert(cage.faceIndices.end(), {south, last + next, last + i});
+  }
+  return cage;
+}
+
+/* Stock Embree leaves out the faces at vertices of more than 64. */
+TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces)
+{
+  Random random(10);
+  for (unsigned n : {64u, 65u, 72u, 128u, 360u})
+  {
+    expectEmbrees(moved(trapezohedron(n), random, 0.01), 0, random);
+    expectEmbrees(moved(globe(n), random, 0.01), 0, random);
+  }
+}
+
 TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
 {
   Random random(5);
@@ -253,6 +295,102 @@ TEST(LimitSurface, CreasesOfWrappedFacesAreLeftOut)
   cage.creaseSharpness = {3};
   EXPECT_TRUE(LimitSurface(cage).has(0));
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+/* Farthest distance between two limit surfaces, of faces that both have. */
+double distanceOf(const Cage& a, const Cage& b)
+{
+  const LimitSurface one(a), other(b);
+  double most = 0;
+  for (unsigned face = 0; face < a.numFaces(); face++)
+    for (int i = 0; i <= 32; i++)
+      for (int j = 0; j <= 32 && one.has(face) && other.has(face); j++)
+      {
+        const PatchPoint p{face, 0, i / 32.0, j / 32.0};
+        most = std::max(most, length(one.evaluate(p).p - other.evaluate(p).p));
+      }
+  return most;
+}
+
+void addCreases(Cage& cage, unsigned face)
+{
+  for (unsigned i = 0; i < 4; i++)
+    cage.creaseEdges.push_back({cage.faceIndices[4 * face + i], cage.faceIndices[4 * face + (i + 1) % 4]});
+  cage.creaseSharpness.assign(cage.creaseEdges.size(), INFINITY);
+}
+
+/* The figures of docs/accuracy.md. OpenSubdiv evaluates the other faces as if a hole were one of them; Embree, and
+ * LimitSurface, as if it did not exist. Edges have length 1. */
+TEST(LimitSurface, HolesDifferFromOpenSubdivUnlessTheirBorderIsCreased)
+{
+  Cage cube = makeCube().cage;
+  for (Vec3f& p : cube.positions)
+    p = 0.5f * p;
+  for (const auto& [cage, hole, expected] : {std::tuple(sheet(4), 5u, 0.2353), {cube, 1u, 0.2763}})
+  {
+    Cage holed = cage;
+    holed.holes = {hole};
+    EXPECT_NEAR(distanceOf(cage, holed), expected, 0.002) << cage.name;
+    Random random(10);
+    holed.boundary = BoundaryRule::EdgeAndCorner;
+    expectEmbrees(holed, 0x1p-8, random);
+    Cage creased = cage;
+    creased.boundary = BoundaryRule::EdgeAndCorner;
+    addCreases(creased, hole);
+    holed = creased;
+    holed.holes = {hole};
+    EXPECT_LT(distanceOf(creased, holed), 1e-3) << cage.name;
+  }
+}
+
+TEST(LimitSurface, CornerFacesOfOpenSheetsDifferFromEmbreeUnderTheDefaultRule)
+{
+  Random random(11);
+  Cage cage = sheet(3);
+  const double flat = deviationFromEmbree(cage, 0, random).position;
+  EXPECT_GT(flat, 0.005);
+  EXPECT_LT(flat, 0.008);
+  cage.boundary = BoundaryRule::EdgeAndCorner;
+  expectEmbrees(cage, 0, random);
+}
+
+/* Two cubes with edges of length 1. shared: pairs of vertices, of the first and of the second cube, that are one. */
+Cage twoCubes(const std::map<unsigned, unsigned>& shared)
+{
+  const Cage cube = makeCube().cage;
+  Cage cage = cube;
+  const size_t first = shared.begin()->first, second = shared.begin()->second;
+  std::vector<unsigned> number;
+  for (unsigned v = 0; v < cube.positions.size(); v++)
+  {
+    const auto found = std::find_if(shared.begin(), shared.end(), [&](const auto& pair) { return pair.second == v; });
+    number.push_back(found == shared.end() ? unsigned(cage.positions.size()) : found->first);
+    if (found == shared.end())
+      cage.positions.push_back(cube.positions[v] - cube.positions[second] + cube.positions[first]);
+  }
+  for (Vec3f& p : cage.positions)
+    p = 0.5f * p;
+  cage.faceSizes.insert(cage.faceSizes.end(), cube.faceSizes.begin(), cube.faceSizes.end());
+  for (unsigned v : cube.faceIndices)
+    cage.faceIndices.push_back(number[v]);
+  return cage;
+}
+
+TEST(LimitSurface, CagesThatAreNotManifoldDifferFromEmbree)
+{
+  const std::vector<Vec3f> p = makeCube().cage.positions;
+  const auto at = [&](float x, float y, float z) {
+    return unsigned(std::find_if(p.begin(), p.end(), [&](Vec3f q) {
+      return q.x * x > 0 && q.y * y > 0 && q.z * z > 0;
+    }) - p.begin());
+  };
+  Random random(12);
+  const Cage edge = twoCubes({{at(1, 1, -1), at(-1, -1, -1)}, {at(1, 1, 1), at(-1, -1, 1)}});
+  const Cage vertex = twoCubes({{at(1, 1, 1), at(-1, -1, -1)}});
+  EXPECT_NEAR(deviationFromEmbree(edge, 0x1p-8, random).position, 0.156, 0.02);
+  const double atVertex = deviationFromEmbree(vertex, 0x1p-8, random).position; // 0.43 at the vertex itself
+  EXPECT_GT(atVertex, 0.25);
+  EXPECT_LT(atVertex, 0.44);
 }
 
 TEST(LimitSurface, HolesKeepTheCreaseRule)
@@ -298,11 +436,12 @@ Cage fan(const std::vector<unsigned>& faceSizes)
 }
 
 /* Quads, and in their middle one face with this number of vertices. A ring has n - 2 vertices per face of n vertices,
- * and two between the borders: at most 129. */
+ * and two between the borders. Stock Embree supports at most 128. */
 TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 {
   Random random(9);
-  for (const auto& [quads, other] : {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}})
+  for (const auto& [quads, other] :
+       {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}})
   {
     std::vector<unsigned> faceSizes(quads, 4);
     faceSizes.insert(faceSizes.begin() + quads / 2, other);

@@ -3,13 +3,17 @@
 
 #include "programs/run_program.h"
 #include "basics/error.h"
+#include "basics/file_output.h"
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -43,6 +47,33 @@ TEST(RunProgram, PrintsExceptionsInOneLine)
             std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
   EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }),
             std::make_pair(1, std::string("cbvh_test: far\n")));
+}
+
+TEST(RunProgram, RemovesEmptyOutputFoldersAfterFailures)
+{
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("cbvh_run_program_" + std::to_string(::getpid()));
+  const fs::path existing = folder / "existing", created = existing / "a" / "b";
+  fs::create_directories(existing);
+  const auto run = [&](const std::function<int()>& end) {
+    return outcome([&] {
+      prepareOutputFolder(existing.string());
+      prepareOutputFolder(created.string());
+      return end();
+    }).first;
+  };
+  EXPECT_EQ(run([]() -> int { throw Error("no such file"); }), 1);
+  EXPECT_TRUE(fs::is_empty(existing)) << "the folder and its parent are removed";
+  EXPECT_EQ(run([]() -> int { throw Canceled(); }), 130);
+  EXPECT_TRUE(fs::is_empty(existing));
+  const auto write = [&] { std::ofstream(created.parent_path() / "picture.png") << "bytes"; };
+  EXPECT_EQ(run([&]() -> int { write(); throw Error("later"); }), 1);
+  EXPECT_TRUE(fs::exists(created.parent_path() / "picture.png"));
+  EXPECT_FALSE(fs::exists(created));
+  fs::remove_all(existing / "a");
+  EXPECT_EQ(run([] { return 0; }), 0);
+  EXPECT_TRUE(fs::exists(created)) << "success keeps folders";
+  fs::remove_all(folder);
 }
 
 } // namespace

@@ -108,6 +108,9 @@ run() {
       { cat "$roots/log"; fail "$program does not render its picture"; }
   done
   inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D does not run its queries"
+  hits=$(inside env LD_PRELOAD=/root/clients/open3d_masks.so python3 /root/clients/open3d_queries.py \
+    "/root/$1/open3d_masks") || fail "Open3D does not run its queries with masks"
+  [ "${hits%% *}" -gt 0 ] || fail "Open3D's rays with masks hit nothing"
   inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" \
     > "$roots/log" 2>&1 ||
     { cat "$roots/log"; fail "Blender does not render its picture"; }
@@ -123,6 +126,8 @@ compare() {
 
 make clients
 apt_get install embree-tools libembree-dev blender python3-open3d
+cc -shared -fPIC -idirafter "$root/usr/include" "$here/clients/open3d_masks.c" -ldl \
+  -o "$root/root/clients/open3d_masks.so"
 run stock
 ours "$(all | grep /libembree3-cbvh_)" "$(all | grep /libembree-cbvh-dev_)"
 for package in libembree3-3 libembree-dev; do

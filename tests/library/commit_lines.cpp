@@ -256,6 +256,98 @@ TEST(InvalidQuads, AreReportedWithTheirReasons)
   EXPECT_TRUE(containsInOrder(lineWith(text, quads), {quads, "finite"})) << text;
 }
 
+// At verbosity 0, in the line of the commit, and in the statistics.
+TEST(InvalidQuads, AreNamedByTheirFirstPrimitive)
+{
+  Random random(3);
+  Diced grids = dicedSheet(4, 32);
+  for (unsigned x : {7u, 9u}) grids.vertex(grids.grids[2], x, 5)[2] = INFINITY;
+  DicedMesh quads = meshOf(dicedSheet(1, 32), QuadOrder::Rows, random), moving = quads;
+  quads.quads[100][2] = unsigned(quads.vertices.size());
+  quads.vertices[quads.quads[700][0]][0] = NAN;
+  moving.motion = [](const Vec& p, unsigned step) {
+    return step == 1 && p[0] == 0 && p[1] == 0 ? Vec{NAN, 0, 0} : p;
+  };
+  DicedMesh triangles = irregularTriangles(moving, random);
+  triangles.vertices[triangles.triangles[33][1]][0] = NAN;
+  Cage cage = sheetCage(8);
+  cage.positions[31][2] = NAN;
+  SurfaceSettings settings;
+  settings.rate = 4;
+  struct Case { const char* name; std::function<RTCGeometry(RTCDevice)> make; unsigned first; };
+  size_t firstTriangle = 0;
+  const auto isAt = [&](size_t t) {
+    for (unsigned v : triangles.triangles[t]) if (std::isnan(triangles.vertices[v][0])) return true;
+    return false;
+  };
+  while (!isAt(firstTriangle)) firstTriangle++;
+  const std::vector<Case> cases = {
+    {"face", [&](RTCDevice device) { return newSurface(device, cage, settings); }, 10},
+    {"grid", [&](RTCDevice device) { return newGrids(device, grids); }, 2},
+    {"quad", [&](RTCDevice device) { return newMesh(device, quads); }, 100},
+    {"triangle", [&](RTCDevice device) { triangles.motion = nullptr; return newMesh(device, triangles); },
+     unsigned(firstTriangle)}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    RTCCompressionStatistics statistics;
+    const std::string line = commitLineOf("", [&](RTCDevice device, RTCScene scene) {
+      attach(scene, newGrids(device, dicedSheet(2, 32)));
+      attach(scene, c.make(device));
+      rtcCommitScene(scene);
+      statistics = statisticsOf(scene);
+    });
+    EXPECT_GT(statistics.numInvalidQuads, 0u);
+    EXPECT_EQ(statistics.firstInvalidGeomID, 1u);
+    EXPECT_EQ(statistics.firstInvalidPrimID, c.first);
+    EXPECT_TRUE(containsInOrder(line, {"left out: " + std::to_string(statistics.numInvalidQuads) + " quads", "finite",
+                                       c.name + (" " + std::to_string(c.first) + " "), "geometry 1"}));
+  }
+}
+
+// Input that has no effect is named once per change.
+TEST(IgnoredInput, IsNamed)
+{
+  Cage cage = sheetCage(4);
+  cage.creases = {{0, 1}, {7, 13}, {3, 9}};
+  cage.creaseWeights = {1, 2, NAN};
+  testing::internal::CaptureStderr();
+  {
+    const Device device("");
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_CVERT;
+    Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+    const RTCGeometry geometry = newSurface(device, cage, settings);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(containsInOrder(lineWith(text, "crease 1 "), {"vertices 7 and 13", " 1 other", "edge"})) << text;
+  EXPECT_NE(lineWith(text, "edge crease weight 2 "), "") << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+}
+
+// At verbosity 0, because users of a program do not learn otherwise why the cap of a cylinder is missing.
+TEST(UnsupportedFaces, ArePrintedOncePerChange)
+{
+  testing::internal::CaptureStderr();
+  {
+    const Device device("");
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_CVERT;
+    settings.rate = 2;
+    Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+    const RTCGeometry geometry = newSurface(device, prismCage(20), settings);
+    attach(scene, geometry);
+    for (int i = 0; i < 3; i++) rtcCommitScene(scene);
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(containsInOrder(text, {"geometry 0", " 22 faces", "face 0,", " 16 ", " 1024 "})) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+}
+
 // Also if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {

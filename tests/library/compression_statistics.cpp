@@ -340,8 +340,9 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
   withHoles.holes = {21, 0, 3};
   tiny.addFace({0, 1});
   struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers;
-  } cases[] = {{"64 quads at a vertex", fan(64, 4), 0, true},
-               {"65 quads at a vertex", fan(65, 4), 65, false},
+  } cases[] = {{"65 quads at a vertex", fan(65, 4), 0, true},
+               {"1024 quads at a vertex", fan(1024, 4), 0, true},
+               {"1025 quads at a vertex", fan(1025, 4), 1025, false},
                {"16 corners", prismCage(16), 0, true},
                {"20 corners, at which all quads are", large, 22, false},
                {"the same with holes", withHoles, 19, false},

@@ -386,7 +386,7 @@ TEST(Dicing, UnsupportedFacesAreIgnored)
   Device device;
   const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> alone = Surface(device, quadCage()).rates(args);
-  for (const Cage& other : {prismCage(20), trapezohedronCage(65)}) {
+  for (const Cage& other : {prismCage(20), trapezohedronCage(1025)}) {
     SCOPED_TRACE(testing::Message() << other.faces[0] << " corners");
     Cage cage = quadCage();
     const unsigned first = unsigned(cage.positions.size());

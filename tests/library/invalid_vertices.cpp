@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Displacement functions that return NaN or infinity: the quads around such vertices are left out, counted and reported
- * as an error; everything else is unchanged. */
+/* Displacement functions that return NaN or infinity, and control vertices that are not finite: the quads around such
+ * vertices are left out, counted and reported as an error; everything else is unchanged. */
 
 #include "support/message_parts.h"
 #include "support/random.h"
@@ -333,6 +333,61 @@ TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
         EXPECT_NEAR(hit.hit.v, v, 1e-2f) << "quad " << x << ", " << y;
       }
   }
+}
+
+// The surface of a face depends on the vertices of all faces around its corners.
+TEST_P(InvalidVertices, ControlVerticesAreCountedAndNamed)
+{
+  RecordProperty("property", "faces that a control vertex which is not finite leaves without surface are counted and "
+                             "reported with the vertex, and no others are left out");
+  const unsigned side = 8, bad = 3*(side + 1) + 4; // faces 1 to 4 along v, and 2 to 5 along u, depend on the vertex
+  for (float value : notFinite)
+    for (unsigned timeSteps : {1u, 2u}) {
+      if (timeSteps > 1 && GetParam() != RTC_COMPRESSION_CVERT) continue;
+      SCOPED_TRACE(testing::Message() << value << ", " << timeSteps << " time steps");
+      Device device;
+      Cage cage = sheetCage(side);
+      cage.positions[bad][1] = value;
+      SurfaceSettings settings;
+      settings.rate = quads;
+      settings.compression = GetParam();
+      settings.timeSteps = timeSteps;
+      const SurfaceScene scene(device, cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+      EXPECT_TRUE(containsInOrder(device.message, {"geometry 0, face 10:", " vertex " + std::to_string(bad) + " ",
+                                                   "finite", " 16 face", " 4096 quads"}));
+      const RTCCompressionStatistics statistics = statisticsOf(scene);
+      EXPECT_EQ(statistics.numInvalidQuads, 16u*quads*quads);
+      EXPECT_EQ(statistics.numQuads, (side*side - 16u)*quads*quads);
+      EXPECT_EQ(statistics.firstInvalidGeomID, 0u);
+      EXPECT_EQ(statistics.firstInvalidPrimID, 10u);
+      for (unsigned y = 0; y < side; y++)
+        for (unsigned x = 0; x < side; x++) {
+          const bool isLeftOut = x >= 2 && x < 6 && y >= 1 && y < 5;
+          const Vec center = {(2*x + 1)/float(side) - 0.99f, (2*y + 1)/float(side) - 0.99f, 5};
+          ASSERT_EQ(isHit(intersect(scene, makeRay(center, {0, 0, -1}))), !isLeftOut) << "face " << x << ", " << y;
+        }
+    }
+}
+
+TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted)
+{
+  Device device;
+  Cage cage = sheetCage(8);
+  cage.positions[31][2] = NAN;
+  cage.holes = {10, 11, 12, 13, 18};
+  SurfaceSettings settings;
+  settings.rate = 4;
+  settings.compression = GetParam();
+  EXPECT_EQ(statisticsOf(SurfaceScene(device, cage, settings)).numInvalidQuads, 11u*16);
+  EXPECT_TRUE(containsInOrder(device.message, {"face 19:", " vertex 31 "}));
+  device.takeError();
+  cage = sheetCage(8);
+  cage.mode = RTC_SUBDIVISION_MODE_NO_BOUNDARY; // Embree leaves out the faces at the border
+  const SurfaceScene scene(device, cage, settings);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 0u);
+  EXPECT_EQ(statisticsOf(scene).firstInvalidGeomID, 0u);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)

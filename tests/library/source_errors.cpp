@@ -47,6 +47,14 @@ namespace embree
     struct NoInvalid : public SphereSource { bool isInvalid (size_t) const; };
     static_assert(isSource<NoInvalid>(),"");
 
+    // expected: size_t quadsWithoutSurface(size_t primitive) const
+    struct NoQuads : public SphereSource { size_t quadsWithoutSurface () const; };
+    static_assert(isSource<NoQuads>(),"");
+
+    // expected: cbvh::InvalidVertex invalidVertex(size_t primitive) const
+    struct NoVertex : public SphereSource { cbvh::InvalidVertex invalidVertex () const; };
+    static_assert(isSource<NoVertex>(),"");
+
     // expected: bool isUnsupported(size_t primitive) const
     struct NoUnsupported : public SphereSource { bool isUnsupported () const; };
     static_assert(isSource<NoUnsupported>(),"");

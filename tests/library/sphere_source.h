@@ -107,6 +107,8 @@ namespace embree
       }
 
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
+      size_t quadsWithoutSurface (size_t) const { return 0; }
+      cbvh::InvalidVertex invalidVertex (size_t) const { return cbvh::InvalidVertex(); }
       bool isUnsupported (size_t) const { return false; }
       size_t bytesInEmbree (const SurfacePatch&) const { return 0; }
 

@@ -32,6 +32,7 @@ mkdir -p "$2" && : > "$2/picture.png"
 CMAKE = """#!/bin/sh
 echo "cmake $*" >> "{folder}/calls"
 case $* in *--build*)
+  [ ! -e "{folder}/progress" ] || cat "{folder}/progress"
   mkdir -p build/demo/tutorials/render
   cp "{folder}/built" build/demo/tutorials/render/cbvh_render ;;
 esac
@@ -125,6 +126,17 @@ class Demo(unittest.TestCase):
         self.assertEqual(len(re.findall("^output/(?!demo/)", output, re.MULTILINE)), 1, output)
         self.assertRegex(output, "output/ .*wheel.*packages")
         self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
+
+    def test_remaining_time_never_grows(self):
+        # Finished files, all files, seconds; estimates of 1900, 300, 224, 499, 40 and 2666 s.
+        statuses = ((10, 200, 100), (100, 200, 300), (120, 200, 337), (125, 200, 833), (199, 200, 7960),
+                    (150, 200, 8000))
+        (self.folder / "progress").write_text("".join("@%d %d %d.5@[1/2] Building\n" % s for s in statuses))
+        output = self.run_demo("--short", "--build")
+        lines = re.findall("^ *([0-9]+) of 200 files(.*)$", output, re.MULTILINE)
+        self.assertEqual([int(line[0]) for line in lines], [status[0] for status in statuses], output)
+        minutes = [int((re.findall("[0-9]+|a minute", line[1]) or ["0"])[0].replace("a minute", "1")) for line in lines]
+        self.assertEqual(minutes, [31, 5, 3, 3, 0, 0], output)
 
     def test_wheel_of_these_sources(self):
         self.add_wheel()

@@ -101,6 +101,22 @@ double hills(int x, int y)
   return large + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x);
 }
 
+TEST_F(Terrain, SamplesOfPgmAreHeightsWhateverTheMaximum)
+{
+  const auto heightAt = [](int x, int y) { return 2000 + std::lround(20 * hills(x, y)); };
+  const Picture expected = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 60, 50, heightAt));
+  for (int most : {4095, 60000, 65535})
+  {
+    const std::string path = folder + "/raster.pgm";
+    std::ofstream file(path, std::ios::binary);
+    file << "P5\n60 50\n" << most << "\n";
+    for (int i = 0; i < 60 * 50; i++)
+      file << char(heightAt(i % 60, i / 60) >> 8) << char(heightAt(i % 60, i / 60));
+    file.close();
+    EXPECT_EQ(run(path).values, expected.values) << most;
+  }
+}
+
 TEST_F(Terrain, FlatTerrainSeesTheWholeSky)
 {
   for (double height : {0.0, -3.0, 1234.5})

@@ -3,6 +3,8 @@
 
 #include "view_pictures.h"
 
+#include "measure/quad_size.h"
+#include "pictures/error_picture.h"
 #include "pictures/image_output.h"
 #include "pictures/sampled_picture.h"
 #include "basics/parallel.h"
@@ -28,7 +30,8 @@ void ViewPictures::write(const View& view, const Variant& variant, const BuiltSc
     return;
   result.errorMap = stem(view, variant) + "_error.png";
   writePng(path(result.errorMap),
-           errorHeatMap(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint())));
+           errorPicture(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint()),
+                        medianQuadSize(options.size, view.gridHits, level)));
 }
 
 Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const

@@ -16,6 +16,7 @@
 #include "basics/file_output.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
+#include "measure/quad_size.h"
 #include "measure/self_shadow.h"
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
@@ -89,6 +90,9 @@ public:
         measure(BuiltScene(model, r, build), grid ? &*grid : nullptr);
     if (Result* result = find(RepresentationKind::Grid))
       finishGrid(*grid, *result);
+    if (options.speed && grid)
+      for (Result& result : comparison.results)
+        speed.relateToGrid(result.speed, isKind(result, RepresentationKind::Grid));
     describe();
     return std::move(comparison);
   }
@@ -171,11 +175,8 @@ private:
   {
     if (find(RepresentationKind::Naive))
       result.errors = compareHits(reference, gridHits, camera.footprint(), grid.layout());
-    if (!options.speed)
-      return;
-    if (comparison.results.size() == 1)
+    if (options.speed && comparison.results.size() == 1)
       result.speed = speed.measure(grid.representation().label(), grid, nullptr);
-    speed.setGridSpeed(result.speed);
   }
 
   Result* find(RepresentationKind kind)
@@ -203,12 +204,18 @@ private:
       compareToTrueSurface({model, *surfaces, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
   }
 
+  float quadPixels() const
+  {
+    const int level = model.isMesh ? 0 : build.level;
+    return build.rates ? options.quadSize : medianQuadSize(options.crop.size(), reference, level);
+  }
+
   void writeErrorsAndAmbient(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": files");
     if (compared)
-      files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()));
+      files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()), quadPixels());
     if (!options.ambientRays)
       return;
     const std::vector<float> light = ambient(scene, hits);

@@ -74,7 +74,8 @@ void declareMeasurement(CLI::App& app, Options& o, OptionTexts& texts)
                "measure rays per second of each representation, also relative to GRID if it is listed");
   app.add_option("--rays", o.rays, "rays per speed measurement, 0 for one per pixel")
     ->type_name("N")->check(countRange())->capture_default_str();
-  app.add_option("--repeat", o.repeat, "number of speed measurements, whose median is reported")
+  app.add_option("--repeat", o.repeat, "rounds of a speed measurement, whose median is reported; up to 4 times as many "
+                                      "if they differ by more than 10%")
     ->type_name("N")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in diagonals of the bounding box")

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "picture_files.h"
+#include "pictures/error_picture.h"
 #include "pictures/image_output.h"
 
 #include <filesystem>
@@ -22,9 +23,10 @@ void PictureFiles::writeExr(const Representation& r, const std::vector<Vec3f>& c
   exr.push_back(r.fileStem());
 }
 
-void PictureFiles::writeErrors(const Representation& r, const std::vector<float>& errors)
+void PictureFiles::writeErrors(const Representation& r, const std::vector<float>& errors, float quadPixels)
 {
-  writePng(path(r, "_error.png"), errorHeatMap(size, errors));
+  const bool isPart = size.width != whole.width || size.height != whole.height;
+  writePng(path(r, "_error.png"), isPart ? errorHeatMap(size, errors) : errorPicture(size, errors, quadPixels));
   errorMaps.push_back(r.fileStem());
 }
 

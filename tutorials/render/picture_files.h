@@ -35,8 +35,9 @@ public:
   void writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
                 const std::vector<SurfaceHit>& hits);
 
-  /* `errors` is a result of pixelErrors. */
-  void writeErrors(const Representation& r, const std::vector<float>& errors);
+  /* `errors` is a result of pixelErrors. `quadPixels` is the length of a quad's edge, or 0. Parts of a picture have no
+   * scale, so that they can be joined. */
+  void writeErrors(const Representation& r, const std::vector<float>& errors, float quadPixels);
 
   /* `grid` is GRID's ambient occlusion; empty for `light` alone. */
   void writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light);

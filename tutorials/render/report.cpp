@@ -121,9 +121,22 @@ void trueRow(Table& table, const std::string& name, const std::function<std::str
 
 /* --- default: about a dozen rows ------------------------------------------------------- */
 
+/* Instead of a ratio if rounds differ too much. Both rates count. */
+std::string ratioCell(double ratio, const Speed& a, const Speed& b)
+{
+  const double difference = std::max(a.difference, b.difference);
+  return difference > mostRoundDifference ? "rounds differ by " + number(100 * difference, 0) + "%" : number(ratio, 2);
+}
+
+/* Relative to GRID, whose rounds are a part of each comparison with it. */
+std::string gridRatioCell(const Speed& speed)
+{
+  return ratioCell(speed.toGrid.value_or(0.0), speed, speed);
+}
+
 std::string speedCell(const Speed& speed)
 {
-  return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
+  return number(speed.mrays, 3) + (speed.toGrid || speed.isNoisy() ? " (" + gridRatioCell(speed) + ")" : "");
 }
 
 /* Median and 99th percentile, because an RMSE would mostly show the few rays at silhouettes that hit another sheet
@@ -189,10 +202,12 @@ void addSpeed(Table& table, const Comparison& c)
       table.row(name + ", Mrays/s", [=](const Result& r) { return number(r.speed[set][query].mrays, 3); });
       if (!contains(c, RepresentationKind::Grid))
         continue;
-      const auto toGrid = [=](const Result& r) { return r.speed[set][query].toGrid.value_or(0.0); };
-      table.row("- of GRID", [=](const Result& r) { return number(toGrid(r), 2); });
+      table.row("- of GRID", [=](const Result& r) { return gridRatioCell(r.speed[set][query]); });
       if (naive != c.results.end())
-        table.row("- of NAIVE", [=](const Result& r) { return number(toGrid(r) / toGrid(*naive), 2); });
+        table.row("- of NAIVE", [=](const Result& r) {
+          const Speed &own = r.speed[set][query], &base = naive->speed[set][query];
+          return ratioCell(own.mrays / base.mrays, own, base);
+        });
     }
 }
 

@@ -19,6 +19,7 @@
 #include "tracing/ray_sets.h"
 #include "tracing/trace_hits.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -46,12 +47,18 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
   makeRaySets(options, scene, primary, hits, sets);
   const Speeds speeds = InterleavedSpeed(sets, options.repeat).measure(name, scene, nullptr);
   scene.check();
-  char line[256];
+  double difference = 0;
+  for (const auto& ofSet : speeds)
+    for (const Speed& speed : ofSet)
+      difference = std::max(difference, speed.difference);
+  const std::string note =
+    difference > mostRoundDifference ? "; rounds differ by up to " + std::to_string(int(100 * difference)) + "%" : "";
+  char line[320];
   std::snprintf(line, sizeof(line),
                 "speed: one thread, single rays: %.2f million coherent rays per second and %.2f million incoherent "
-                "ones; any hit %.2f and %.2f\n",
+                "ones; any hit %.2f and %.2f%s\n",
                 speeds[Coherent][Closest].mrays, speeds[Incoherent][Closest].mrays, speeds[Coherent][Any].mrays,
-                speeds[Incoherent][Any].mrays);
+                speeds[Incoherent][Any].mrays, note.c_str());
   writeStandardOutput(line);
   return speeds;
 }

@@ -4,9 +4,10 @@
 #include "speed.h"
 
 #include "basics/progress.h"
-#include "measure/quantiles.h"
 
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
 
 namespace cbvh {
 
@@ -29,13 +30,41 @@ nlohmann::json speedJson(const Speeds& speeds)
       const Speed& speed = speeds[set][query];
       nlohmann::json& measured = j[raySetName(set)][queryName(query)];
       measured["mrays_per_second"] = speed.mrays;
+      measured["rounds"] = speed.rounds.own.size();
+      measured["rounds_differ_by"] = speed.difference;
       if (speed.toGrid)
         measured["relative_to_grid"] = *speed.toGrid;
     }
   return j;
 }
 
+InterleavedSpeed::InterleavedSpeed(const RaySets& sets, int repeat, Timer timer)
+  : sets(sets), repeat(repeat), timer(std::move(timer))
+{
+  if (!this->timer)
+    this->timer = [](const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings) {
+      return timeTrace(scene, rays, settings).seconds;
+    };
+}
+
 /* Every other round measures GRID first. */
+SpeedRounds InterleavedSpeed::alternate(const TracedScene& scene, const TracedScene* grid, int set, int query) const
+{
+  SpeedRounds rounds;
+  do
+    for (int i = 0; i < repeat; i++)
+    {
+      if (i % 2)
+        rounds.own.push_back(time(scene, set, query));
+      if (grid)
+        rounds.grid.push_back(time(*grid, set, query));
+      if (i % 2 == 0)
+        rounds.own.push_back(time(scene, set, query));
+    }
+  while (rounds.difference() > mostRoundDifference && rounds.own.size() < size_t(mostRepetitions) * size_t(repeat));
+  return rounds;
+}
+
 Speeds InterleavedSpeed::measure(const std::string& name, const TracedScene& scene, const TracedScene* grid)
 {
   Phase phase(name + ": speed");
@@ -43,34 +72,37 @@ Speeds InterleavedSpeed::measure(const std::string& name, const TracedScene& sce
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
-      std::vector<double> own, base;
-      for (int i = 0; i < repeat; i++)
-      {
-        if (i % 2)
-          own.push_back(time(scene, set, query));
-        if (grid)
-          base.push_back(time(*grid, set, query));
-        if (i % 2 == 0)
-          own.push_back(time(scene, set, query));
-        phase.update(double((set * numQueries + query) * repeat + i + 1) / double(numRaySets * numQueries * repeat));
-      }
       Speed& speed = speeds[set][query];
-      speed.mrays = mrays(set, own);
-      if (grid)
-        speed.toGrid = median(base) / median(own);
-      gridSeconds[set][query].insert(gridSeconds[set][query].end(), base.begin(), base.end());
+      speed.rounds = alternate(scene, grid, set, query);
+      speed.mrays = mrays(set, speed.rounds.own);
+      speed.difference = speed.rounds.difference();
+      std::vector<double>& all = gridSeconds[set][query];
+      all.insert(all.end(), speed.rounds.grid.begin(), speed.rounds.grid.end());
+      phase.update(double(set * numQueries + query + 1) / double(numRaySets * numQueries));
     }
   return speeds;
 }
 
-void InterleavedSpeed::setGridSpeed(Speeds& speeds) const
+void InterleavedSpeed::relateToGrid(Speeds& speeds, bool isGrid) const
 {
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
-      speeds[set][query].toGrid = 1.0;
-      if (!gridSeconds[set][query].empty())
-        speeds[set][query].mrays = mrays(set, gridSeconds[set][query]);
+      Speed& speed = speeds[set][query];
+      const std::vector<double>& all = gridSeconds[set][query];
+      if (isGrid && !all.empty())
+      {
+        speed.rounds.own = all;
+        speed.mrays = mrays(set, all);
+        speed.difference = spreadOf(all);
+      }
+      if (isGrid)
+        speed.toGrid = 1.0;
+      else if (!all.empty())
+      {
+        speed.toGrid = speed.mrays / mrays(set, all);
+        speed.difference = std::max(speed.difference, speed.rounds.differenceFrom(*speed.toGrid));
+      }
     }
 }
 
@@ -79,7 +111,7 @@ double InterleavedSpeed::time(const TracedScene& scene, int set, int query) cons
   TraceSettings settings;
   settings.query = Query(query);
   settings.coherent = set == Coherent;
-  return timeTrace(scene, sets[set], settings).seconds;
+  return timer(scene, sets[set], settings);
 }
 
 double InterleavedSpeed::mrays(int set, const std::vector<double>& seconds) const

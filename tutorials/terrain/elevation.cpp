@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <system_error>
 
 namespace cbvh {
@@ -36,33 +35,16 @@ void requireNoPipe(const std::string& path)
     throw Error(path + ": this is a pipe or a device, which cannot be read more than once: expected a file");
 }
 
-/* Factor by which MapImage, like OpenImageIO, divides samples. */
-float unitOf(OIIO::TypeDesc type)
-{
-  switch (type.basetype)
-  {
-  case OIIO::TypeDesc::UINT8: return std::numeric_limits<uint8_t>::max();
-  case OIIO::TypeDesc::INT8: return std::numeric_limits<int8_t>::max();
-  case OIIO::TypeDesc::UINT16: return std::numeric_limits<uint16_t>::max();
-  case OIIO::TypeDesc::INT16: return std::numeric_limits<int16_t>::max();
-  case OIIO::TypeDesc::UINT32: return float(std::numeric_limits<uint32_t>::max());
-  case OIIO::TypeDesc::INT32: return float(std::numeric_limits<int32_t>::max());
-  default: return 1;
-  }
-}
-
 } // namespace
 
 Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 {
   requireNoPipe(settings.path);
   recordInputFile(settings.path);
-  const auto native = OIIO::ImageInput::open(settings.path);
   OIIO::ImageSpec spec;
-  if (!native || !image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
-    throw Error(settings.path + ": cannot read this elevation raster: " +
-                (native ? image.geterror() : OIIO::geterror()));
-  unit = unitOf(native->spec().format);
+  if (!image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
+    throw Error(settings.path + ": cannot read this elevation raster: " + image.geterror());
+  unit = image.unit();
   sourceWidth = spec.width;
   sourceHeight = spec.height;
   if (sourceWidth < 2 || sourceHeight < 2)

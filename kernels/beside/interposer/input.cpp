@@ -187,6 +187,7 @@ void Input::applyMesh(CbvhSurface surface) const
     mesh.indices = (const unsigned int*)triangles.data;
   }
   if (mesh.numFaces == 0) throw Unsupported("it has no quads or triangles");
+  if (mesh.numFaces < 256) throw Unsupported("it has too few quads or triangles to matter: Embree traces them faster");
   mesh.vertices = vertices(steps);
   check(cbvhSetSurfaceMesh(surface, &mesh));
 }

@@ -44,9 +44,7 @@ namespace embree
       Ref<TaskScheduler> scheduler = new TaskScheduler;
       scheduler->spawn_root(closure,1,true);
 #else
-      tbb::task_group_context context(tbb::task_group_context::isolated,
-        tbb::task_group_context::default_traits | tbb::task_group_context::fp_settings);
-      tbb::parallel_for(size_t(0),size_t(1),size_t(1),[&] (size_t) { closure(); },context);
+      runIsolated(closure);
 #endif
     }
 
@@ -155,7 +153,8 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Meshes with fewer primitives stay uncompressed: Embree's own structures need at most about 20 KiB for them. */
+    /*! Meshes with fewer primitives stay uncompressed unless storesSmallMeshes is set: Embree's own structures need at
+     *  most about 20 KiB for them. */
     const size_t minPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
@@ -164,6 +163,22 @@ namespace embree
       if (!geometry->device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: " << what << std::endl;
+    }
+
+    void printWarnings (const std::vector<std::string>& warnings)
+    {
+      if (warnings.empty()) return;
+      Lock<MutexSys> lock(g_printMutex);
+      for (const std::string& warning : warnings) std::cerr << "compression: " << warning << std::endl;
+    }
+
+    /*! True if a buffer changed since the last commit that describeIgnoredInput() reads. */
+    bool isTopologyModified (const SubdivMesh* mesh)
+    {
+      return mesh->faceVertices.isLocalModified() || mesh->topology[0].vertexIndices.isLocalModified()
+        || mesh->edge_creases.isLocalModified() || mesh->edge_crease_weights.isLocalModified()
+        || mesh->vertex_creases.isLocalModified() || mesh->vertex_crease_weights.isLocalModified()
+        || mesh->levels.isLocalModified();
     }
 
     /*! Marks a geometry as compressed if isRequested and rejectionReason is null. Stores and prints why a request is
@@ -196,12 +211,15 @@ namespace embree
     }
   }
 
-  bool beginCommit (SubdivMesh* mesh)
+  static bool beginCommitOf (SubdivMesh* mesh)
   {
     const bool hasInput = mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices;
     if (!discardOutdatedBlocks(mesh,hasInput,"vertices, faces and indices")) return false;
     const bool isRequested = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
-    if (isRequested) checkIndices(mesh);
+    if (isRequested) {
+      checkIndices(mesh);
+      if (isTopologyModified(mesh)) printWarnings(describeIgnoredInput(mesh));
+    }
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     setDecision(mesh,isRequested && moves,
@@ -211,7 +229,7 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (GridMesh* mesh)
+  static bool beginCommitOf (GridMesh* mesh)
   {
     if (!discardOutdatedBlocks(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids")) return false;
     const bool isRequested = requestsCompression(mesh);
@@ -244,7 +262,7 @@ namespace embree
     if (isRequested && hasInput) checkTimeSteps(mesh);
     const char* rejectionReason = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
-      : mesh->size() < minPrimitives ? "are too few to matter" : nullptr;
+      : mesh->size() < minPrimitives && !mesh->compression.storesSmallMeshes ? "are too few to matter" : nullptr;
     if (isRequested && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = tryDivideMesh(mesh);
@@ -257,15 +275,32 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads"); }
-  bool beginCommit (TriangleMesh* mesh) {
+  static bool beginCommitOf (QuadMesh* mesh) {
+    return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads");
+  }
+  static bool beginCommitOf (TriangleMesh* mesh) {
     return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->triangles,"triangles");
   }
+
+  /*! Uncompressed geometries are checked without tasks. */
+  template<typename Mesh>
+  static bool beginIsolatedCommit (Mesh* mesh)
+  {
+    if (!requestsCompression(mesh)) return beginCommitOf(mesh);
+    bool changed = false;
+    runIsolated([&] { changed = beginCommitOf(mesh); });
+    return changed;
+  }
+
+  bool beginCommit (SubdivMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (GridMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (QuadMesh* mesh) { return beginIsolatedCommit(mesh); }
+  bool beginCommit (TriangleMesh* mesh) { return beginIsolatedCommit(mesh); }
 
   void endCommit (SubdivMesh* mesh)
   {
     CageMemory::freeSortedEdges(mesh);
-    markUnsupportedFaces(mesh);
+    runIsolated([&] { markUnsupportedFaces(mesh); });
     if (buildBlocksNow(mesh)) CageMemory::releaseInput(mesh);
   }
 

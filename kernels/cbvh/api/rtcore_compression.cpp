@@ -16,9 +16,9 @@ namespace
 {
   CompressionSettings settingsOf (const RTCCompressionArguments& args)
   {
-    if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
+    if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT | RTC_COMPRESSION_FLAG_SMALL_MESHES))
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid flags " + std::to_string(args.flags)
-                     + ": expected RTC_COMPRESSION_FLAG_NONE or RTC_COMPRESSION_FLAG_RELEASE_INPUT");
+                     + ": expected bits of RTC_COMPRESSION_FLAG_RELEASE_INPUT and RTC_COMPRESSION_FLAG_SMALL_MESHES");
     CompressionSettings settings;
     // memcpy, because a value outside of the enumeration would be undefined behavior
     memcpy(&settings.compression,&args.compression,sizeof(settings.compression));
@@ -29,6 +29,7 @@ namespace
     settings.pixelSize = args.pixelSize;
     settings.fallbackFaces = args.fallbackFaces;
     settings.releasesInput = (args.flags & RTC_COMPRESSION_FLAG_RELEASE_INPUT) != 0;
+    settings.storesSmallMeshes = (args.flags & RTC_COMPRESSION_FLAG_SMALL_MESHES) != 0;
     settings.progress = args.progress;
     settings.progressUserPtr = args.progressUserPtr;
     return settings;

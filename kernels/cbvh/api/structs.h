@@ -41,6 +41,10 @@ namespace embree
     RTCCompressionStatistics result = RTCCompressionStatistics();
     cbvh::forEachMember(result,statistics,[](size_t& to, size_t value) { to = value; },
         [](float& to, float value) { to = value; });
+    if (statistics.numInvalidQuads) {
+      result.firstInvalidGeomID = statistics.firstInvalidGeometry;
+      result.firstInvalidPrimID = statistics.firstInvalidPrimitive;
+    }
     return result;
   }
 }

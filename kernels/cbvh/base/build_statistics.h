@@ -17,10 +17,14 @@ namespace embree
   {
     struct BuildStatistics : public SurfaceStatistics
     {
-      void addInvalidFace (size_t face)
+      /*! findVertex(): returns an InvalidVertex, for the first face. */
+      template<typename FindVertex>
+      void addInvalidFace (size_t face, const FindVertex& findVertex)
       {
         invalidFaces++;
-        firstInvalidFace = std::min(firstInvalidFace,face);
+        if (face >= firstInvalidFace) return;
+        firstInvalidFace = face;
+        firstInvalidVertex = findVertex();
       }
 
       void addUnsupportedFace (size_t face)
@@ -64,7 +68,10 @@ namespace embree
         quadsForHoles += other.quadsForHoles;
         bytesInEmbree += other.bytesInEmbree;
         invalidFaces += other.invalidFaces;
-        firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
+        if (other.firstInvalidFace < firstInvalidFace) {
+          firstInvalidFace = other.firstInvalidFace;
+          firstInvalidVertex = other.firstInvalidVertex;
+        }
         firstUnsupportedFace = std::min(firstUnsupportedFace,other.firstUnsupportedFace);
       }
 

@@ -16,6 +16,8 @@ namespace embree
     /*! RTCCompressionStatistics without structSize; the public header defines the members. Floats are world units. */
     struct CompressionStatistics
     {
+      static const unsigned noPrimitive = ~0u; //!< RTC_INVALID_GEOMETRY_ID
+
       size_t topLevelBytes = 0;        //!< BVH over blocks and grids
       size_t headerBytes = 0;
       size_t nodeBytes = 0;            //!< compressed inner nodes
@@ -34,6 +36,8 @@ namespace embree
       size_t numIrregularQuads = 0;    //!< of these, in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps
       size_t motionBytes = 0;          //!< of leafBytes, for time steps after the first
+      /*! The first primitive with invalid quads. noPrimitive: there is none, it is unknown, or this is no scene. */
+      unsigned firstInvalidGeometry = noPrimitive, firstInvalidPrimitive = noPrimitive;
       size_t numUnsupportedFaces = 0;  //!< left out, as by Embree's subdivision
       /*! Buffers of compressed geometries that Embree allocated and did not release, and its copies of topology. */
       size_t inputBytes = 0;
@@ -80,7 +84,18 @@ namespace embree
     {
       forEachMember(sums,other,[](size_t& sum, size_t value) { sum += value; },
           [](float& most, float value) { most = std::max(most,value); });
+      if (other.firstInvalidGeometry < sums.firstInvalidGeometry) {
+        sums.firstInvalidGeometry = other.firstInvalidGeometry;
+        sums.firstInvalidPrimitive = other.firstInvalidPrimitive;
+      }
     }
+
+    /*! A vertex of the input that is not finite. */
+    struct InvalidVertex
+    {
+      unsigned vertex = ~0u; //!< ~0u: there is none
+      unsigned timeStep = 0;
+    };
 
     /*! Statistics of one surface, or of a part of it. Members other than `sums` are for messages; framed/writer.h also
      *  rejects a patch by its framelessQuads. */
@@ -94,6 +109,7 @@ namespace embree
       size_t invalidFaces = 0;     //!< primitives that the commit reports as invalid (surface/source.h)
       size_t bytesInEmbree = 0;    //!< estimate for Embree's own representation
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
+      InvalidVertex firstInvalidVertex; //!< a reason why firstInvalidFace is invalid
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };
   }

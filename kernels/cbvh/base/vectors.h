@@ -49,12 +49,16 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! cvert's directionReciprocal of three components; ignores the fourth lane. If all magnitudes are 1e-9 to
-       *  1e9, clamping would change a component by at most an ulp, so it is skipped. */
+      /*! Replaces the fourth lane, which is not used, by the first: it might contain 0 or a denormal number, for which
+       *  programs may trap. */
+      __forceinline vfloat4 withoutFourth (const vfloat4& v) { return shuffle<0,1,2,0>(v); }
+
+      /*! cvert's directionReciprocal of three components. The fourth lane must contain one of them, see withoutFourth.
+       *  If all magnitudes are 1e-9 to 1e9, clamping would change a component by at most an ulp, so it is skipped. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
-        if (likely((movemask((size >= vfloat4(1e-9f)) & (size <= vfloat4(1e9f))) & 7) == 7)) return vfloat4(1.0f)/d;
+        if (likely(all((size >= vfloat4(1e-9f)) & (size <= vfloat4(1e9f))))) return vfloat4(1.0f)/d;
         return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
       }
 

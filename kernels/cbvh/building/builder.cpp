@@ -36,7 +36,8 @@ namespace embree
       // mesh blocks of all primitives count those with invalid indices themselves
       const size_t numInvalid = regions->areAllIrregular ? 0 : regions->numInvalid,
         invalidQuads = TrianglesOfMesh(mesh).areHalvesOfQuads() ? numInvalid : (numInvalid+1)/2;
-      return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular),invalidQuads));
+      return BuilderPointer(new SourceBuilder<GridSource<Grids>>(mesh,number,plan,std::move(irregular),invalidQuads,
+        [mesh](InvalidInput& out) { return findInvalid(mesh,out); }));
     }
 
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const SurfaceNumberPointer& number,
@@ -44,7 +45,8 @@ namespace embree
     {
       switch (geometry->ownType) {
       case Geometry::GTY_GRID_MESH:
-        return BuilderPointer(new SourceBuilder<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
+        return BuilderPointer(new SourceBuilder<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan,nullptr,0,
+          [geometry](InvalidInput& out) { return findInvalid((GridMesh*)geometry,out); }));
       case Geometry::GTY_QUAD_MESH:
         return newMeshBuilder<GridsOfQuadMesh>((QuadMesh*)geometry,number,plan);
       case Geometry::GTY_TRIANGLE_MESH:
@@ -110,6 +112,7 @@ namespace embree
         for (const Surface& surface : surfaces) {
           add(surface,total);
           reportInvalid(surface,before);
+          reportUnsupported(surface,before);
           if (surface.plan.compresses()) total.sums.inputBytes += bytesOfInput(surface.geometry,counted);
         }
         if (!reusesTree) {
@@ -189,15 +192,41 @@ namespace embree
       {
         report->surfaces.push_back(surface.blocks);
         total.add(surface.blocks->statistics);
+        const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
+        if (statistics.sums.numInvalidQuads && surface.geomID < total.sums.firstInvalidGeometry
+            && statistics.firstInvalidFace < total.sums.noPrimitive) {
+          total.sums.firstInvalidGeometry = surface.geomID;
+          total.sums.firstInvalidPrimitive = unsigned(statistics.firstInvalidFace);
+        }
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports invalid faces or grids, unless the previous commit did. before: buildIDsInTree of that commit. */
-      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
-      {
-        const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
-        if (isNew && std::find(before.begin(),before.end(),surface.blocks->buildID) == before.end())
+      /*! True if the previous commit of the scene did not report on these blocks. before: its buildIDsInTree. */
+      bool isNew (const Surface& surface, const std::vector<uint64_t>& before) const {
+        return scene->isGeometryModified(surface.geomID)
+          && std::find(before.begin(),before.end(),surface.blocks->buildID) == before.end();
+      }
+
+      /*! Reports invalid faces or grids, unless the previous commit did. */
+      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const {
+        if (surface.blocks->statistics.invalidFaces && isNew(surface,before))
           report->addError(describeInvalid(surface));
+      }
+
+      /*! Prints which faces Embree cannot evaluate, unless the previous commit did. No error, because Embree skips them
+       *  silently, and programs rely on it. */
+      void reportUnsupported (const Surface& surface, const std::vector<uint64_t>& before) const
+      {
+        const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
+        if (!statistics.sums.numUnsupportedFaces || !surface.geometry->compression.warnsOfFaces) return;
+        if (!isNew(surface,before) && !scene->device->verbosity(1)) return;
+        Lock<MutexSys> lock(g_printMutex);
+        std::cerr << "compression: geometry " << surface.geomID << ": " << statistics.sums.numUnsupportedFaces
+                  << " faces, beginning with face " << statistics.firstUnsupportedFace
+                  << ", are left out: expected 3 to " << MAX_PATCH_VALENCE
+                  << " corners in them and in the faces at their vertices, and at most " << MAX_RING_FACE_VALENCE
+                  << " faces per vertex (" << MAX_RING_FACE_VALENCE-1
+                  << " at a border, fewer if these have more than 4 corners)" << std::endl;
       }
 
       /*! Builds the tree over the parts of static surfaces. If there is only one surface and it has a tree, uses that
@@ -263,7 +292,8 @@ namespace embree
         CommitLine line;
         for (const Surface& surface : surfaces) {
           const CompressionPlan& plan = surface.plan;
-          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
+          if (plan.compresses())
+            line.addCompressed(surface.geometry,surface.geomID,plan.kind(),surface.blocks->statistics);
           else line.addUncompressed(surface.geometry);
         }
         const bool listsOthers = !doesOtherBuilderReport();
@@ -303,13 +333,7 @@ namespace embree
           std::cerr << geometry << statistics.sums.numInvalidQuads
                     << " quads are left out, because a vertex is not finite"
                     << (surface.geometry->ownType == Geometry::GTY_GRID_MESH ? "" : " or an index is out of range")
-                    << std::endl;
-        if (statistics.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
-          std::cerr << geometry << statistics.sums.numUnsupportedFaces << " faces, beginning with face "
-                    << statistics.firstUnsupportedFace << ", are left out: expected 3 to "
-                    << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
-                    << MAX_RING_FACE_VALENCE << " faces per vertex ("
-                    << MAX_RING_FACE_VALENCE-1 << " at a border, fewer if these have more than 4 corners)" << std::endl;
+                    << firstInvalidText(statistics,primitiveName(surface.geometry)) << std::endl;
         // a file may contain any counts
         const size_t irregularQuads = min(statistics.sums.numIrregularQuads,statistics.sums.numMeshQuads);
         if (statistics.sums.numMeshQuads)
@@ -326,12 +350,16 @@ namespace embree
       static std::string describeInvalid (const Surface& surface)
       {
         const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
+        const cbvh::InvalidVertex& vertex = statistics.firstInvalidVertex;
         if (!surface.isCage())
           return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(statistics.firstInvalidFace)
             + ": vertices are outside of their buffer; left out: "
             + std::to_string(statistics.invalidFaces) + " grid(s)";
         return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(statistics.firstInvalidFace)
-          + ": vertices are not finite; left out of "
+          + (vertex.vertex == noVertex ? std::string(": vertices are not finite")
+            : ": control vertex " + std::to_string(vertex.vertex) + " is not finite"
+              + (surface.plan.moves() ? " at time step " + std::to_string(vertex.timeStep) : std::string()))
+          + "; left out of "
           + std::to_string(statistics.invalidFaces) + " face(s): " + std::to_string(statistics.sums.numInvalidQuads)
           + " quads";
       }

@@ -76,9 +76,31 @@ namespace embree
           });
       }
 
-      /*! A face that has no surface at any step is skipped without an error, as in Embree. Invalid quads come from
-       *  displacement functions, and from control vertices that are not finite at some of the steps. */
+      /*! Invalid quads come from displacement functions and from control vertices. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
+
+      /*! Quads of a face that has no surface at any step because vertices are not finite. 0 for other faces. */
+      size_t quadsWithoutSurface (size_t face) const
+      {
+        if (hasSurface(mesh,face) || !hasEdges(mesh,face) || isHole(face)) return 0;
+        if (!canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return 0;
+        unsigned timeStep;
+        if (findInvalidVertex(mesh,face,timeStep) == noVertex) return 0; // RTC_SUBDIVISION_MODE_NO_BOUNDARY
+        size_t quads = 0;
+        isa::forEachPatch(mesh,face,[&](const PatchOfFace& patch) {
+            const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+            quads += size_t(size.x-1)*size_t(size.y-1);
+          });
+        return quads;
+      }
+
+      cbvh::InvalidVertex invalidVertex (size_t face) const
+      {
+        cbvh::InvalidVertex found;
+        if (canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face]))
+          found.vertex = findInvalidVertex(mesh,face,found.timeStep);
+        return found;
+      }
 
       bool isUnsupported (size_t face) const {
         return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face,holes);
@@ -131,6 +153,8 @@ namespace embree
       };
 
     private:
+      bool isHole (size_t face) const { return std::binary_search(holes.begin(),holes.end(),unsigned(face)); }
+
       size_t estimateBlocks (const PatchOfFace& patch) const
       {
         const CompressionPlan::Storage storage = plan.storage(patch.rate);

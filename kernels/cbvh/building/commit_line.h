@@ -19,12 +19,35 @@ namespace embree
 {
   namespace isa
   {
+    /*! "face", "grid", "quad" or "triangle". */
+    inline const char* primitiveName (const CompressibleGeometry* geometry)
+    {
+      switch (geometry->ownType) {
+      case Geometry::GTY_GRID_MESH: return "grid";
+      case Geometry::GTY_QUAD_MESH: return "quad";
+      case Geometry::GTY_TRIANGLE_MESH: return "triangle";
+      default: return "face";
+      }
+    }
+
+    /*! For example ", beginning with face 7 (vertex 12)"; empty if the first primitive is not known. */
+    inline std::string firstInvalidText (const cbvh::SurfaceStatistics& statistics, const std::string& primitive)
+    {
+      if (statistics.firstInvalidFace == std::numeric_limits<size_t>::max()) return "";
+      const cbvh::InvalidVertex& vertex = statistics.firstInvalidVertex;
+      return ", beginning with " + primitive + " " + std::to_string(statistics.firstInvalidFace)
+        + (vertex.vertex == ~0u ? "" : " (vertex " + std::to_string(vertex.vertex) + ")");
+    }
+
     class CommitLine
     {
     public:
-      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind,
+      void addCompressed (const CompressibleGeometry* geometry, unsigned geomID, cbvh::Kind kind,
                           const cbvh::SurfaceStatistics& statistics)
       {
+        if (statistics.sums.numInvalidQuads && firstInvalid.empty())
+          firstInvalid = firstInvalidText(statistics,primitiveName(geometry))
+            + " of geometry " + std::to_string(geomID);
         Compressed& entryOfKind = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
         entryOfKind.names = namesOf(geometry);
         entryOfKind.count++;
@@ -54,6 +77,9 @@ namespace embree
         if (scene.inputBytes) line << "; buffers that stay: " << mebibytes(scene.inputBytes) << " MiB";
         if (scene.cacheBytesPerThread)
           line << "; caches: up to " << mebibytes(scene.cacheBytesPerThread) << " MiB per thread";
+        if (sums.numInvalidQuads)
+          line << "; left out: " << sums.numInvalidQuads << " quads, because a vertex is not finite or does not exist"
+               << firstInvalid;
         const char* separator = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) {
           if (n) { line << separator << n << what; separator = ", "; }
@@ -106,6 +132,7 @@ namespace embree
       cbvh::BuildStatistics all;                                         //!< sum over `compressed`
       /*! Uncompressed primitives, by type and reason. */
       std::map<std::pair<std::string,std::string>,size_t> rejected;
+      std::string firstInvalid;                                          //!< of the first geometry that has some
       size_t notRequested = 0;                                           //!< subdivision surfaces without a request
     };
   }

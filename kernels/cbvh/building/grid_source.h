@@ -55,6 +55,8 @@ namespace embree
       /*! Quads with vertices that are not finite are skipped without an error, as in Embree. */
       bool isInvalid (size_t grid, bool) const { return borders.isError(grid); }
 
+      size_t quadsWithoutSurface (size_t) const { return 0; }
+      cbvh::InvalidVertex invalidVertex (size_t) const { return cbvh::InvalidVertex(); }
       bool isUnsupported (size_t) const { return false; }
 
       template<typename Closure>

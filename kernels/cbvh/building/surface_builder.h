@@ -14,6 +14,7 @@
 #include "irregular_blocks.h"
 #include "../stored/surface_blocks.h"
 #include "../stored/tree.h"
+#include "../surface/invalid_input.h"
 #include <functional>
 
 namespace embree
@@ -53,15 +54,18 @@ namespace embree
       static_assert(isSource<Source>(),"see surface/source.h");
       typedef typename Source::Patch Patch;
       typedef std::function<void(double)> Progress;
+      typedef std::function<bool(InvalidInput&)> FindInvalid;
 
     public:
       /*! mesh and plan must outlive this object. irregular: blocks of primitives that are in no grid, or null.
-       *  numInvalidQuads: quads that are in neither, for the statistics. */
+       *  numInvalidQuads: quads that are in neither, for the statistics. findInvalid: finds the first primitive with a
+       *  vertex that is not finite, if the source does not report it. */
       template<typename Mesh>
       SourceBuilder (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
-                     std::unique_ptr<IrregularBlocks> irregular = nullptr, size_t numInvalidQuads = 0)
+                     std::unique_ptr<IrregularBlocks> irregular = nullptr, size_t numInvalidQuads = 0,
+                     FindInvalid findInvalid = nullptr)
         : device(mesh->device), number(number), plan(plan), source(mesh,plan), irregular(std::move(irregular)),
-          numInvalidQuads(numInvalidQuads),
+          numInvalidQuads(numInvalidQuads), findInvalid(std::move(findInvalid)),
           progressPerPrimitive(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks() + (this->irregular ? this->irregular->estimateBlocks() : 0)),
           perTask(source.perTask(isSmall())) {}
@@ -104,6 +108,12 @@ namespace embree
         if (irregular) irregular->build(blocks.memory,results,source.size(),progress);
         blocks.statistics = results.statistics;
         blocks.statistics.sums.numInvalidQuads += numInvalidQuads;
+        InvalidInput invalid;
+        if (blocks.statistics.sums.numInvalidQuads && !blocks.statistics.invalidFaces && findInvalid
+            && findInvalid(invalid)) {
+          blocks.statistics.firstInvalidFace = invalid.primitive;
+          blocks.statistics.firstInvalidVertex = invalid.vertex;
+        }
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
       }
 
@@ -131,7 +141,9 @@ namespace embree
               quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
               patchIndex++;
             });
-          if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
+          if (plan.compresses()) statistics.sums.numInvalidQuads += source.quadsWithoutSurface(i);
+          if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid))
+            statistics.addInvalidFace(i,[&] { return source.invalidVertex(i); });
           if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
           if (quads >= progressQuads || i+1 == primitives.end()) {
             progress(progressPerPrimitive*double(i+1-reported));
@@ -224,6 +236,7 @@ namespace embree
       Source source;
       const std::unique_ptr<IrregularBlocks> irregular;
       const size_t numInvalidQuads;
+      const FindInvalid findInvalid;
       const double progressPerPrimitive; //!< primitives of the geometry per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;

@@ -150,9 +150,12 @@ namespace embree
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
           || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");
-      checkIndices(mesh); // commits of uncompressed geometry do not check them
-      validate(camera,mesh->numEdges());
-      const std::vector<float> rates = measureRates(mesh,camera);
+      std::vector<float> rates;
+      runIsolated([&] {
+        checkIndices(mesh); // commits of uncompressed geometry do not check them
+        validate(camera,mesh->numEdges());
+        rates = measureRates(mesh,camera);
+      });
       Ref<Buffer> levelBuffer = new Buffer(geometry->device,rates.size()*sizeof(float));
       std::copy(rates.begin(),rates.end(),(float*)levelBuffer->data());
       geometry->setBuffer(RTC_BUFFER_TYPE_LEVEL,0,RTC_FORMAT_FLOAT,levelBuffer,0,sizeof(float),unsigned(rates.size()));

@@ -20,8 +20,8 @@ namespace embree
 
       /*! A ray, and its nearest hit in blocks with frames. The largest component of the direction is scaled to 1, so
        *  that squares neither overflow nor underflow. t' is the distance along the scaled direction, t the distance
-       *  along the application's. If no component exceeds 2^-128, `scale` is infinite and the ray misses all blocks, as
-       *  with cVERT. */
+       *  along the application's. If no component exceeds 2^-128, `scale` is infinite or NaN and the ray misses all
+       *  blocks, as with cVERT. */
       struct RayState
       {
         Vec3fa org, dir;
@@ -45,7 +45,7 @@ namespace embree
           isSet = true;
           const Vec3fa d = ray.dir;
           rcpScale = reduce_max(abs(d));
-          scale = 1.0f/rcpScale;
+          scale = 1.0f/nonZero(rcpScale);
           dir = d*scale;
           org = ray.org;
           rcpDir2 = 1.0f/dot(dir,dir);
@@ -61,7 +61,7 @@ namespace embree
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
         {
-          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz), size = vfloat4(1.0f)/stretch;
+          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz), size = vfloat4(1.0f)/withoutFourth(stretch);
           withW = stretch+shuffle<3>(stretch);
           longest = max(max(size[0],size[1]),size[2]);
         }
@@ -69,7 +69,7 @@ namespace embree
 
       /*! Returns s at distance t along the scaled direction, at most 1. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
-        return t < t1 ? localFraction(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
+        return t < t1 ? localFraction(w0,w1,(t-t0)/nonZero(t1-t0)) : 1.0f;
       }
 
       /*! Bound of the error of localParameter(). */
@@ -112,10 +112,11 @@ namespace embree
 
           const vfloat4 h0 = madd(vfloat4(tau0),D,O), h1 = madd(vfloat4(tau1),D,O);
           w0 = h0[3]; w1 = h1[3];
+          if (unlikely(!(w0 > 0.0f && w1 > 0.0f))) return false;
           epsilon = epsilon/vfloat4(min(w0,w1));
           P0 = h0/vfloat4(w0); P1 = h1/vfloat4(w1);
           t0 = tref + tau0; t1 = tref + tau1;
-          return w0 > 0.0f && w1 > 0.0f;
+          return true;
         }
 
         /*! Returns an s not before distance t along the application's ray, despite rounding. */
@@ -136,7 +137,7 @@ namespace embree
             const vfloat4 W = shuffle<3>(O), DW = shuffle<3>(D);
             const vfloat4 a0 = O + epsilon, a1 = (W - O) + epsilon, d1 = DW - D;
             const vfloat4 zero4 = vfloat4(zero);
-            const vfloat4 r0 = -a0/D, r1 = -a1/d1;
+            const vfloat4 r0 = -a0/nonZero(D), r1 = -a1/nonZero(d1);
             const vbool4 xyz = vbool4(true,true,true,false);
             const vbool4 in0 = xyz & (D > zero4), out0 = xyz & (D < zero4);
             const vbool4 in1 = xyz & (d1 > zero4), out1 = xyz & (d1 < zero4);

@@ -31,10 +31,10 @@ namespace embree
           isSet = true;
           const Vec3vf<K> d = rays.dir;
           rcpScale = max(max(abs(d.x),abs(d.y)),abs(d.z));
-          scale = vfloat<K>(1.0f)/rcpScale;
+          scale = vfloat<K>(1.0f)/nonZero(rcpScale);
           dir = Vec3vf<K>(d.x*scale,d.y*scale,d.z*scale);
           org = rays.org;
-          rcpDir2 = vfloat<K>(1.0f)/dotOf(dir,dir);
+          rcpDir2 = vfloat<K>(1.0f)/dotOf(dir,dir); // at least 1, or NaN
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
@@ -108,15 +108,16 @@ namespace embree
           w1 = madd(tau1,dO[3],O[3]);
           t0 = tref + tau0;
           t1 = tref + tau1;
-          const vfloat<K> least = min(w0,w1);
-          for (int k=0; k<3; k++) setAxis(k,madd(tau0,dO[k],O[k])/w0,madd(tau1,dO[k],O[k])/w1,epsilon[k]/least);
+          const vfloat<K> divisor0 = nonZero(w0), divisor1 = nonZero(w1), least = nonZero(vfloat<K>(min(w0,w1)));
+          for (int k=0; k<3; k++)
+            setAxis(k,madd(tau0,dO[k],O[k])/divisor0,madd(tau1,dO[k],O[k])/divisor1,epsilon[k]/least);
           return intersects & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
         /*! See LocalRay::parameterAfter. */
         __forceinline vfloat<K> parameterAfter (const vfloat<K>& rcpScale, const vfloat<K>& t) const
         {
-          const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
+          const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/nonZero(vfloat<K>(t1-t0)), tw = product(tau,w1);
           return select(at < t1,tw/(product(w0,vfloat<K>(1.0f)-tau) + tw),vfloat<K>(1.0f)) + vfloat<K>(slackOfS);
         }
         /*! Same for ray k. */
@@ -129,7 +130,7 @@ namespace embree
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
                                         vbool<K>& outside)
         {
-          const vfloat<K> r = -a/d;
+          const vfloat<K> r = -a/nonZero(d);
           tauIn = max(tauIn,select(d > vfloat<K>(zero),r,vfloat<K>(neg_inf)));
           tauOut = min(tauOut,select(d < vfloat<K>(zero),r,vfloat<K>(pos_inf)));
           outside |= (d == vfloat<K>(zero)) & (a < vfloat<K>(zero));

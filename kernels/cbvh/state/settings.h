@@ -23,6 +23,8 @@ namespace embree
     int fallbackFaces = -1; //!< 1: faces that cLEAF represents badly, and moving cages, become cVERT; negative:
                             //!< inherited
     bool releasesInput = false; //!< if set for a device, holds for all its geometries
+    bool storesSmallMeshes = false; //!< set for geometries only: not just meshes of many primitives
+    bool warnsOfFaces = true; //!< set for geometries only: whether commits print which faces are left out
     /*! Set for devices only: types of geometry that inherit the device's compression. */
     bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
     RTCProgressMonitorFunction progress = nullptr; //!< set for geometries only

@@ -63,7 +63,8 @@ namespace embree
         for (int i=0; i<4; i++) for (int j=i+1; j<4; j++) d2 = min(d2,squaredDistance(corners[i],corners[j]));
         distance = std::sqrt(d2);
       }
-      return 1.0/(distance*quadSize*growth(corners,center));
+      const double size = distance*quadSize*growth(corners,center);
+      return size > 0.0 ? 1.0/size : double(inf);
     }
 
   private:

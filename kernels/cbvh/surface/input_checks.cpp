@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "input_checks.h"
+#include <algorithm>
+#include <cmath>
 
 namespace embree
 {
@@ -50,6 +52,60 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,describe(mesh,f) + "index " + std::to_string(firstWrong-begin)
             + " is vertex " + std::to_string(indices[firstWrong]) + ": expected less than "
             + std::to_string(numVertices));
+  }
+
+  namespace
+  {
+    /*! Describes values that are not numbers. Embree's comparisons with them have arbitrary results. */
+    void describeValues (const BufferView<float>& values, const char* name, const char* expected,
+                         std::vector<std::string>& warnings)
+    {
+      size_t first = 0, count = 0;
+      for (size_t i=0; i<values.size(); i++)
+        if (std::isnan(values[i]) && count++ == 0) first = i;
+      if (count == 0) return;
+      warnings.push_back(std::string(name) + " " + std::to_string(first)
+          + (count == 1 ? "" : " and " + std::to_string(count-1) + " others")
+          + (count == 1 ? " is not a number: expected " : " are not numbers: expected ") + expected);
+    }
+
+    /*! Describes creases whose two vertices share no edge. Embree, like OpenSubdiv, ignores them. */
+    void describeCreases (const SubdivMesh* mesh, std::vector<std::string>& warnings)
+    {
+      struct Crease { uint64_t edge; size_t index; bool isUsed; };
+      std::vector<Crease> creases(mesh->edge_creases.size());
+      for (size_t i=0; i<creases.size(); i++) creases[i] = { uint64_t(mesh->edge_creases[i]),i,false };
+      std::sort(creases.begin(),creases.end(),[](const Crease& a, const Crease& b) { return a.edge < b.edge; });
+      const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
+      for (size_t f=0, begin=0; f<mesh->size(); begin+=mesh->faceVertices[f++])
+        for (size_t i=0, n=mesh->faceVertices[f]; i<n; i++) {
+          const uint64_t edge = SubdivMesh::Edge(indices[begin+i],indices[begin+(i+1)%n]);
+          auto found = std::lower_bound(creases.begin(),creases.end(),edge,
+              [](const Crease& crease, uint64_t e) { return crease.edge < e; });
+          for (; found != creases.end() && found->edge == edge && !found->isUsed; found++) found->isUsed = true;
+        }
+      size_t first = creases.size(), count = 0;
+      for (const Crease& crease : creases)
+        if (!crease.isUsed) { first = min(first,crease.index); count++; }
+      if (count == 0) return;
+      const SubdivMesh::Edge pair = mesh->edge_creases[first];
+      warnings.push_back("crease " + std::to_string(first) + " joins the vertices " + std::to_string(pair.v0) + " and "
+          + std::to_string(pair.v1) + (count == 1 ? "" : ", and " + std::to_string(count-1) + " others join vertices")
+          + " that share no edge, and is ignored: expected two vertices that follow each other in a face");
+    }
+  }
+
+  std::vector<std::string> describeIgnoredInput (const SubdivMesh* mesh)
+  {
+    std::vector<std::string> warnings;
+    if (!mesh->faceVertices || !mesh->topology[0].vertexIndices) return warnings;
+    if (mesh->edge_creases.size()) describeCreases(mesh,warnings);
+    describeValues(mesh->edge_crease_weights,"edge crease weight","0 to infinity",warnings);
+    describeValues(mesh->vertex_crease_weights,"vertex crease weight","0 to infinity",warnings);
+    describeValues(mesh->levels,"level","1 to 4096",warnings);
+    if (!mesh->levels && std::isnan(mesh->tessellationRate))
+      warnings.push_back("the tessellation rate is not a number: expected 1 to 4096");
+    return warnings;
   }
 
   void checkSides (const GridMesh* mesh)

@@ -3,11 +3,13 @@
 
 #pragma once
 
-/* Checks of the application's buffers that Embree does not make. All functions throw rtcore_error, naming the
- * first invalid value. */
+/* Checks of the application's buffers that Embree does not make. Functions whose names begin with "check" throw
+ * rtcore_error, naming the first invalid value. */
 
 #include "../base/number_text.h"
 #include "../embree/scene.h"
+#include <string>
+#include <vector>
 
 namespace embree
 {
@@ -32,6 +34,10 @@ namespace embree
 
   /*! Throws if a face refers to missing indices or vertices. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
+
+  /*! Returns a sentence for each kind of value that has no effect, or none that the application can mean: creases
+   *  between vertices that share no edge, and weights and levels that are not numbers. Requires checkIndices(). */
+  std::vector<std::string> describeIgnoredInput (const SubdivMesh* mesh);
 
   /*! For uncompressed grids. Throws if a side has more vertices than Embree's kernel counts in 15 bits. */
   void checkSides (const GridMesh* mesh);

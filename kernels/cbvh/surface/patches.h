@@ -73,6 +73,43 @@ namespace embree
       return !std::binary_search(holes.begin(),holes.end(),unsigned(face));
     }
 
+    const unsigned noVertex = ~0u;
+
+    /*! Returns a vertex that is not finite, or noVertex, among those that a face's surface depends on at a time step:
+     *  the vertices of all faces at its corners. Requires canBeEvaluated(). */
+    inline unsigned findInvalidVertex (const SubdivMesh* mesh, size_t face, size_t timeStep)
+    {
+      const BufferView<Vec3fa>& vertices = mesh->vertices[timeStep];
+      const HalfEdge* const first = mesh->getHalfEdge(0,face);
+      const HalfEdge* corner = first;
+      do {
+        const HalfEdge* around = corner; // as in isUnsupportedAtVertex()
+        do {
+          const HalfEdge* edge = around;
+          do {
+            const unsigned i = edge->getStartVertexIndex();
+            if (i >= vertices.size() || !isvalid(Vec3fa(vertices[i]))) return i;
+            edge = edge->next();
+          } while (edge != around);
+          around = around->prev();
+          if (around->hasOpposite()) { around = around->opposite(); continue; }
+          for (around = corner; around->hasOpposite(); ) around = around->opposite()->next();
+        } while (around != corner);
+        corner = corner->next();
+      } while (corner != first);
+      return noVertex;
+    }
+
+    /*! The same at all time steps. timeStep: set if a vertex is found. */
+    inline unsigned findInvalidVertex (const SubdivMesh* mesh, size_t face, unsigned& timeStep)
+    {
+      for (unsigned t=0; t<mesh->numTimeSteps; t++) {
+        const unsigned vertex = findInvalidVertex(mesh,face,size_t(t));
+        if (vertex != noVertex) { timeStep = t; return vertex; }
+      }
+      return noVertex;
+    }
+
     /*! Arguments of Embree's SubdivPatch1Base, which make() constructs. The pointers are valid while forEachPatch's
      *  closure runs. */
     struct PatchOfFace
@@ -89,7 +126,8 @@ namespace embree
       }
     };
 
-    /*! Calls closure(const PatchOfFace&) for each patch, in the order of corners. Requires hasSurface(). */
+    /*! Calls closure(const PatchOfFace&) for each patch, in the order of corners. Requires canBeEvaluated(), which
+     *  hasSurface() implies. */
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {

@@ -67,6 +67,10 @@
  *       evaluated. A patch is valid during its call.
  *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
  *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it.
+ *   size_t quadsWithoutSurface (size_t primitive) const
+ *       Quads of a primitive that has no patches because its input is not finite. 0 for other primitives.
+ *   cbvh::InvalidVertex invalidVertex (size_t primitive) const
+ *       A vertex of the input that is not finite, the reason why a primitive is invalid, if there is one.
  *   bool isUnsupported (size_t primitive) const
  *       True if the primitive has no patches because Embree cannot evaluate it. It is counted; this is not an error.
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
@@ -138,6 +142,10 @@ namespace embree
       template<typename S> using ForEachPatch =
         decltype(a<const S>().forEachPatch(size_t(0),a<typename S::Scratch>(),PatchClosure()));
       template<typename S> using IsInvalid = decltype(bool(a<const S>().isInvalid(size_t(0),true)));
+      template<typename S> using QuadsWithoutSurface =
+        decltype(size_t(a<const S>().quadsWithoutSurface(size_t(0))));
+      template<typename S> using InvalidVertex =
+        decltype(cbvh::InvalidVertex(a<const S>().invalidVertex(size_t(0))));
       template<typename S> using IsUnsupported = decltype(bool(a<const S>().isUnsupported(size_t(0))));
       template<typename S> using BytesInEmbree = decltype(size_t(a<const S>().bytesInEmbree(a<const SurfacePatch>())));
       template<typename S> using Writer =
@@ -169,6 +177,8 @@ namespace embree
       static_assert(Has<ForEachPatch,S>(),"a source needs void forEachPatch(size_t primitive, Scratch& scratch, "
                                           "const Closure& closure) const");
       static_assert(Has<IsInvalid,S>(),"a source needs bool isInvalid(size_t primitive, bool hasInvalidQuads) const");
+      static_assert(Has<QuadsWithoutSurface,S>(),"a source needs size_t quadsWithoutSurface(size_t primitive) const");
+      static_assert(Has<InvalidVertex,S>(),"a source needs cbvh::InvalidVertex invalidVertex(size_t primitive) const");
       static_assert(Has<IsUnsupported,S>(),"a source needs bool isUnsupported(size_t primitive) const");
       static_assert(Has<BytesInEmbree,S>(),"a source needs size_t bytesInEmbree(const SurfacePatch& patch) const");
       static_assert(Has<Writer,S>(),"a source needs a type Writer with Writer(const Source&, BlockStore&, "

@@ -19,11 +19,15 @@ namespace embree
   {
     std::atomic<unsigned> cacheGeneration(0);
 
+    size_t largeCaches = 0;
+
+    static void setLargeCaches ()
+    {
 #if defined(_SC_LEVEL2_CACHE_SIZE)
-    const size_t largeCaches = sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024;
-#else
-    const size_t largeCaches = 0;
+      static const size_t once = largeCaches = sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024;
+      (void)once; // later callers wait until largeCaches is set
 #endif
+    }
 
     /*! Bytes of a cache that a thread uses: half, unless largeCaches is 1. */
     template<typename Entries>
@@ -35,6 +39,7 @@ namespace embree
 
     size_t threadCacheBytes (unsigned caches)
     {
+      setLargeCaches();
       size_t bytes = 0;
       if (caches & vertCache) bytes += bytesOf<VertEntries>();
       if (caches & motionCache) bytes += bytesOf<MotionEntries>();
@@ -57,6 +62,7 @@ namespace embree
       // frees the thread's cache at the thread's end
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
+        setLargeCaches();
         static thread_local Owner owner;
         (void)owner; // only its destructor is needed
         void* memory = nullptr;

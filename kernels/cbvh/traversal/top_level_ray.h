@@ -56,7 +56,7 @@ namespace embree
         const vfloat4 rdir, near, far;
 
         __forceinline explicit PlaneFactors (const Vec3fa& dir)
-          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(nearFactor)*rdir),
+          : rdir(directionReciprocals(withoutFourth(dir.m128))), near(vfloat4(nearFactor)*rdir),
             far(vfloat4(farFactor)*rdir) {}
       };
 

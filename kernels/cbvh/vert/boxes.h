@@ -46,7 +46,8 @@ namespace embree
         __forceinline RayInBoxes (const VertRayBase<float>& ray, const GroupBoxes& boxes)
         {
           const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(boxes.origin);
-          const vfloat4 farthest = abs(distance) + vfloat4::loadu(boxes.extent), shear = vfloat4::loadu(boxes.shear);
+          const vfloat4 farthest = abs(distance) + vfloat4::loadu(boxes.extent),
+            shear = withoutFourth(vfloat4::loadu(boxes.shear)); // which is followed by an integer
           vfloat4::store(slack,vfloat4(slackUlps*floatUlp)*farthest*abs(vfloat4::loadu(ray.rcp)));
           vfloat4 x, y, z;
           transpose(shear*distance,shear*vfloat4::loadu(ray.dir),abs(shear)*farthest,vfloat4(zero),x,y,z);

@@ -153,8 +153,9 @@ namespace embree
               }
             }
 
+            /*! Of rays outside of the mask, component kz may be 0. */
             __forceinline TriangleSpan<Double4> span (size_t kz) const {
-              return spanOf(triangle.at[kz][0],triangle.at[kz][1],triangle.at[kz][2],org[kz],dir[kz]);
+              return spanOf(triangle.at[kz][0],triangle.at[kz][1],triangle.at[kz][2],org[kz],nonZero(dir[kz]));
             }
           };
         };

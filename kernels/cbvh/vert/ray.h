@@ -80,8 +80,8 @@ namespace embree
           if (likely(isSet)) return;
           isSet = true;
           cache = &VertCache::ofThread();
-          const vfloat4 direction(Vec3fa(ray.dir).m128), reciprocals = directionReciprocals(direction);
-          vfloat4::store(org,vfloat4(Vec3fa(ray.org).m128));
+          const vfloat4 direction = withoutFourth(Vec3fa(ray.dir).m128), reciprocals = directionReciprocals(direction);
+          vfloat4::store(org,withoutFourth(Vec3fa(ray.org).m128));
           vfloat4::store(dir,direction);
           vfloat4::store(rcp,reciprocals);
           negativeAxes = uint32_t(movemask(reciprocals < vfloat4(zero)));
@@ -89,7 +89,7 @@ namespace embree
           largestComponent = max(max(a.x,a.y),a.z);
           kz = largestAxis(a.x,a.y,a.z);
           setAxes();
-          const float sz = 1.0f/dir[kz];
+          const float sz = 1.0f/nonZero(dir[kz]);
           sx = dir[kx]*sz;
           sy = dir[ky]*sz;
         }
@@ -124,7 +124,7 @@ namespace embree
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
           // as largestAxis: with NaN, <= is false on all instruction sets, but > and max differ
           const vbool<K> isX = y <= x, notZ = z <= select(isX,x,y);
-          const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
+          const vfloat<K> sz = vfloat<K>(1.0f)/nonZero(vfloat<K>(select(notZ,select(isX,dir[0],dir[1]),dir[2])));
           sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;
           sy = select(notZ,select(isX,dir[2],dir[0]),dir[1])*sz;
           rayClass = select(notZ,select(isX,vint<K>(zero),vint<K>(1)),vint<K>(2));

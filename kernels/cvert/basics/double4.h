@@ -21,6 +21,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Double4 minimum(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 maximum(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }
+  inline Double4 nonZero(Double4 a) { return select(abs(a) <= 0.0,std::numeric_limits<double>::quiet_NaN(),a); }
   inline Double4 product(Double4 a, Double4 b)
   {
     Double4 p = a*b;

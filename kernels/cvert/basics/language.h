@@ -95,6 +95,10 @@ CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a;
 CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
+/* nonZero: a divisor, or NaN if it is 0. A quotient by 0 that is not used, or that may be NaN instead of infinite,
+ * must be divided by nonZero(): programs may trap divisions by zero, as Embree's device setting float_exceptions does.
+ * NaN raises no exception. */
+
 /* both, either: logical operators, also for masks.
  * product: never fused with a sum into one instruction, which would round differently. */
 #ifdef VULKAN
@@ -104,12 +108,14 @@ float squareRoot (float a) { return sqrt(a); }
 float floatOfBits (uint bits) { return uintBitsToFloat(bits); }
 uint bitsOfFloat (float f) { return floatBitsToUint(f); }
 float product (float a, float b) { precise float p = a*b; return p; }
+float nonZero (float a) { return a; } // shaders do not trap
 const float infinity = 1.0/0.0;
 #ifdef CBVH_FLOAT64
 double minimum (double a, double b) { return a < b ? a : b; }
 double maximum (double a, double b) { return a > b ? a : b; }
 double magnitude (double a) { return a < 0.0 ? -a : a; }
 double product (double a, double b) { precise double p = a*b; return p; }
+double nonZero (double a) { return a; }
 #endif
 #else
 template<typename Bool> CVERT_INLINE Bool both (Bool a, Bool b) { return a & b; }
@@ -120,6 +126,9 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
+CVERT_REAL CVERT_INLINE Real nonZero (Real a) {
+  return choose(a == Real(0.0f),Real(std::numeric_limits<float>::quiet_NaN()),a);
+}
 /* Hides from the compiler that p is a product, so that it cannot fuse it with a sum. The option -ffp-contract=off would
  * apply to the whole file: in files that trace rays, cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>

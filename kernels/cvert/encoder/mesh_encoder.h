@@ -14,6 +14,7 @@
 #include "mesh_position.h"
 #include "mesh_strips.h"
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA
@@ -72,9 +73,11 @@ namespace cvert { inline namespace CVERT_ISA
         for (uint32_t g=group; g<groups.count; g++) rest.add(groups.ends[g]-first);
         const MeshStatistics before = statistics;
         size_t bytes = encode(triangles+first,rest.ends,rest.count,surface,block,stored,statistics);
-        const uint32_t next = first+stored;
-        if (areHalvesOfQuads && next < groups.numTriangles()
-          && triangles[next].number == (triangles[next-1].number | 1)) {
+        // cutting the last group may divide it elsewhere, so that the block holds fewer triangles than it was cut to
+        while (areHalvesOfQuads && first+stored < groups.numTriangles()
+          && triangles[first+stored].number == (triangles[first+stored-1].number | 1)) {
+          // a block that ends within a quad is full: it has maxMeshGroups groups, or maxMeshTriangles triangles
+          assert(stored >= maxMeshGroups);
           for (uint32_t g=0; g<rest.count; g++) rest.ends[g] = std::min(rest.ends[g],stored-1);
           statistics = before;
           bytes = encode(triangles+first,rest.ends,rest.count,surface,block,stored,statistics);

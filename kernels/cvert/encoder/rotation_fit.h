@@ -90,11 +90,11 @@ namespace cvert { inline namespace CVERT_ISA
     static void invert (const double m[3][3], double out[3][3])
     {
       const double l10 = m[1][0]/m[0][0], l20 = m[2][0]/m[0][0], rest = m[2][1] - l20*m[1][0];
-      const double d1 = m[1][1] - l10*m[1][0], l21 = rest/d1, d2 = m[2][2] - l20*m[2][0] - l21*rest;
+      const double d1 = m[1][1] - l10*m[1][0], l21 = rest/nonZero(d1), d2 = m[2][2] - l20*m[2][0] - l21*rest;
       for (int b=0; b<3; b++) {
         const double y0 = b == 0, y1 = double(b == 1) - l10*y0, y2 = double(b == 2) - l20*y0 - l21*y1;
-        out[2][b] = y2/d2;
-        out[1][b] = y1/d1 - l21*out[2][b];
+        out[2][b] = y2/nonZero(d2);
+        out[1][b] = y1/nonZero(d1) - l21*out[2][b];
         out[0][b] = y0/m[0][0] - l10*out[1][b] - l20*out[2][b];
         if (!(d1 > 0 && d2 > 0)) out[0][b] = out[1][b] = out[2][b] = 0;
       }

@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "file.h"
+#include "directory.h"
 #include "tree_reader.h"
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <unordered_set>
-#include <vector>
 
 namespace cvert
 {
@@ -19,13 +17,6 @@ namespace cvert
   {
     const char* kindOfFile (mode_t mode) {
       return S_ISDIR(mode) ? "a folder" : S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
-    }
-
-    Reason checkVersion (uint32_t found, uint32_t oldest, uint32_t newest, const char* tooOld, const char* tooNew)
-    {
-      if (found < oldest) return Reason::unsupported(tooOld,found,oldest);
-      if (found > newest) return Reason::unsupported(tooNew,found,newest);
-      return Reason();
     }
   }
 
@@ -66,74 +57,23 @@ namespace cvert
   Reason File::validate () const
   {
     const FileHeader& h = *header();
-    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0)
-      return Reason::damaged("is not a file of compressed surfaces");
-    if (h.byteOrder != fileByteOrder) return Reason::damaged("has another byte order: expected little-endian");
-    if (const Reason reason = checkVersion(h.version,fileVersion,fileVersion,
-          "has an older version of these files, %: this library reads % and later",
-          "has a newer version of these files, %: this library reads versions up to %"))
-      return reason;
-    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum)))
-      return Reason::damaged("is damaged: the checksum of its header differs");
-    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,movingMeshFormatVersion,
-          "has blocks of an older version of cVERT, %: this library reads % and later",
-          "has blocks of a newer version of cVERT, %: this library reads versions up to %"))
-      return reason;
-    if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,
-          "has blocks with frames of an older version, %: this library reads % and later",
-          "has blocks with frames of a newer version, %: this library reads versions up to %"))
-      return reason;
+    if (const Reason reason = validateHeader(h)) return reason;
     if (h.fileBytes > bytes) return Reason::damaged("is truncated: it has % bytes, expected %",bytes,h.fileBytes);
     if (h.fileBytes < bytes)
       return Reason::damaged("has data after its end: it has % bytes, expected %",bytes,h.fileBytes);
-    if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0
-        || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
-      return Reason::damaged("is damaged: its directory of % geometries at % is empty, misaligned, outside of the file "
-        "or of another record size",h.numGeometries,h.directory);
+    if (const Reason reason = validateDirectoryPlace(h)) return reason;
     if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry)))
       return Reason::damaged("is damaged: the checksum of its directory differs");
-    std::unordered_set<uint32_t> numbers;
-    for (size_t i=0; i<h.numGeometries; i++)
-    {
-      const FileGeometry& g = geometry(i);
-      auto isPart = [&](uint64_t begin, uint64_t size, uint64_t after) {
-        return begin % filePage == 0 && begin <= bytes && size <= bytes-begin && after <= bytes-begin-size;
-      };
-      if (!isPart(g.tree,g.treeBytes,0)) failDamaged(i,"its tree is outside of the file");
-      if (!isPart(g.blocks,g.blockBytes,fileReadPadding)) failDamaged(i,"its blocks are outside of the file");
-      if (const Reason reason = validateRecord(g)) fail(i,"",reason);
-      if (!numbers.insert(g.surface).second) failDamaged(i,"its surface number is also another geometry's");
-    }
-    requireDisjointBlocks();
+    requireDirectory(path,&geometry(0),size(),bytes);
     return Reason();
   }
 
-  void File::requireDisjointBlocks () const
-  {
-    std::vector<size_t> order;
-    for (size_t i=0; i<size(); i++)
-      if (geometry(i).blockBytes) order.push_back(i);
-    std::sort(order.begin(),order.end(),[&](size_t a, size_t b) { return geometry(a).blocks < geometry(b).blocks; });
-    for (size_t k=1; k<order.size(); k++) {
-      const FileGeometry& before = geometry(order[k-1]);
-      if (geometry(order[k]).blocks-before.blocks < before.blockBytes)
-        failDamaged(order[k],"its blocks overlap the blocks of geometry " + std::to_string(order[k-1]));
-    }
+  void File::fail (size_t i, const std::string& where, const Reason& reason) const {
+    failGeometry(path,i,where,reason);
   }
 
-  void File::fail (size_t i, const std::string& where, const Reason& reason) const
-  {
-    if (reason.code == ErrorCode::UNSUPPORTED) failUnsupported(i,where+reason.message());
-    failDamaged(i,where+reason.message());
-  }
-
-  void File::failDamaged (size_t i, const std::string& why) const {
-    throw Error(ErrorCode::DAMAGED,path + ": is damaged: geometry " + std::to_string(i) + ": " + why);
-  }
-
-  void File::failUnsupported (size_t i, const std::string& why) const {
-    throw Error(ErrorCode::UNSUPPORTED,path + ": geometry " + std::to_string(i) + ": " + why);
-  }
+  void File::failDamaged (size_t i, const std::string& why) const { fail(i,why,Reason::damaged("")); }
+  void File::failUnsupported (size_t i, const std::string& why) const { fail(i,why,Reason::unsupported("")); }
 
   void File::verifyGeometry (size_t i, const BlockCheck& other) const
   {

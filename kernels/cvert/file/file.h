@@ -59,8 +59,6 @@ namespace cvert
     void map ();
     void unmap ();
     Reason validate () const;
-    /*! Throws Error if the blocks of two geometries overlap: readers find the geometry of a block by its address. */
-    void requireDisjointBlocks () const;
     void verifyGeometry (size_t i, const BlockCheck& other) const;
 
     int file;

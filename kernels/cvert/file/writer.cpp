@@ -3,6 +3,7 @@
 
 #include "writer.h"
 #include "../decoder/decoded_block.h"
+#include "directory.h"
 #include "record.h"
 #include <algorithm>
 #include <cerrno>
@@ -122,24 +123,23 @@ namespace cvert
       if (::ftruncate(descriptor,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
     }
-    const std::string hint = "; remove it to start again";
-    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) reject("is not a file of compressed surfaces");
-    if (header.byteOrder != fileByteOrder || header.version != fileVersion
-        || header.vertVersion < vertFormatVersion || header.vertVersion > movingMeshFormatVersion
-        || header.framedVersion != fileFramedVersion)
-      reject("was started by another version of the library" + hint);
-    const uint64_t count = header.numGeometries;
-    if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum))
-        || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
-        header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
-      reject("is damaged" + hint);
+    const bool isOfThisKind = memcmp(header.magic,fileMagic,sizeof(fileMagic)) == 0;
+    const std::string hint = isOfThisKind ? "; remove it to start again" : "";
+    if (const Reason reason = validateHeader(header)) reject(reason.message() + hint);
+    const uint64_t fileBytes = uint64_t(status.st_size);
+    if (header.fileBytes > fileBytes)
+      reject(Reason::damaged("is truncated: it has % bytes, expected %",fileBytes,header.fileBytes).message() + hint);
+    if (const Reason reason = validateDirectoryPlace(header)) reject(reason.message() + hint);
     if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32))
       reject("was started with another key" + hint);
     vertVersion = header.vertVersion;
-    directory.resize(size_t(count));
+    directory.resize(size_t(header.numGeometries));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     if (!read(directory.data(),bytes,header.directory)
-        || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + hint);
+        || header.directoryChecksum != fileChecksum(directory.data(),bytes))
+      reject("is damaged: the checksum of its directory differs" + hint);
+    try { requireDirectory(file->path(),directory.data(),directory.size(),header.fileBytes); }
+    catch (const Error& error) { throw Error(ErrorCode::INVALID_ARGUMENT,error.what() + hint); }
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
     writtenBytes = checkpointedBytes = header.fileBytes;
     if (::ftruncate(descriptor,off_t(writtenBytes)) != 0 || ::lseek(descriptor,off_t(writtenBytes),SEEK_SET) < 0)

@@ -221,8 +221,10 @@ CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return e
  *  which other triangles cover. */
 CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
-  float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
-  if (!(size < infinity)) return false; // a vertex is not finite
+  // each coordinate: a sum of finite ones may overflow
+  bool areFinite = magnitude(ax) < infinity && magnitude(ay) < infinity && magnitude(bx) < infinity
+    && magnitude(by) < infinity && magnitude(cx) < infinity && magnitude(cy) < infinity;
+  if (!areFinite) return false;
   int s0 = exactSide(bx,by,cx,cy), s1 = exactSide(cx,cy,ax,ay), s2 = exactSide(ax,ay,bx,by);
   bool isPositive = s0 > 0 || s1 > 0 || s2 > 0, isNegative = s0 < 0 || s1 < 0 || s2 < 0;
   return isPositive != isNegative;
@@ -257,7 +259,7 @@ CVERT_CONSTANT float inPlaneTolerance = 1e-6f;
 
 CVERT_WIDE struct PlaneIntersection
 {
-  Wide t;             //!< distance; infinite or NaN if the ray is parallel to the plane
+  Wide t;             //!< distance; NaN if the ray is parallel to the plane
   Wide normalDotDir;
   Wide parallelLimit; //!< the ray counts as lying in the plane if |normalDotDir| is at most this
 };
@@ -274,7 +276,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
     height = height + product(normal.at[k],triangle.at[k][0] - org[k]);
   }
   CVERT_OF_WIDE(PlaneIntersection) at;
-  at.t = height/normalDotDir;
+  at.t = height/nonZero(normalDotDir);
   at.normalDotDir = normalDotDir;
   at.parallelLimit = Wide(inPlaneTolerance)*size;
   return at;

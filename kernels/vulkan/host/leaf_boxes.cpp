@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 namespace embree { namespace vulkan {
@@ -148,17 +147,6 @@ std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bound
     out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width,
                    b.upper[0] + width, b.upper[1] + width, b.upper[2] + width});
   return out;
-}
-
-BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
-{
-  uint64_t hash = 0xcbf29ce484222325;
-  for (const VkAabbPositionsKHR& box : boxes) {
-    uint32_t words[6];
-    std::memcpy(words, &box, sizeof(words));
-    for (uint32_t word : words) hash = (hash ^ word)*0x100000001b3;
-  }
-  return {boxes.size(), hash};
 }
 
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,

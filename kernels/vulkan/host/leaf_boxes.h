@@ -24,8 +24,6 @@ struct LeafBoxes
   std::vector<VkAabbPositionsKHR> driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const;
 };
 
-BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
-
 /* Leaves below a subtree, each once, without instances. geomIDOf(reference) returns the geomID of a leaf. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);

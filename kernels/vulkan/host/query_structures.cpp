@@ -23,8 +23,8 @@ VkTransformMatrixKHR matrixOf(const float* columns)
 size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStructures::LevelID& id,
                                         const std::function<Bounds(const Bounds&)>& transform)
 {
-  const std::vector<VkAabbPositionsKHR> driverBoxes = boxes.driverBoxes(transform);
-  LevelRequest request = {keyOf(driverBoxes), 0, nullptr, nullptr};
+  LevelRequest request = {BoxesKey(boxes.driverBoxes(transform)), 0, nullptr, nullptr};
+  const std::vector<VkAabbPositionsKHR>& driverBoxes = request.key.boxes();
   request.level = device.structures.find(request.key);
   if (!request.level) {
     const Slice slice = input->allocate(driverBoxes.size()*sizeof(driverBoxes[0]), "boxes to build structures from");
@@ -33,7 +33,7 @@ size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStruc
   }
   if (previous) {
     const auto found = previous->levels.find(id);
-    if (found != previous->levels.end() && found->second->key.count == request.key.count)
+    if (found != previous->levels.end() && found->second->key.boxes().size() == driverBoxes.size())
       request.previous = found->second;
   }
   requests.push_back(request);
@@ -67,7 +67,7 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
     out.levels[levelIDs[i]] = requests[i].level;
     if (!counted.insert(&structure).second) continue;
     structureBytes += structure.bytes;
-    numBoxes += requests[i].key.count;
+    numBoxes += requests[i].key.boxes().size();
   }
   for (auto& instance : instances)
     instance.accelerationStructureReference

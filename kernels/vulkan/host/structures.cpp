@@ -13,14 +13,17 @@ namespace embree { namespace vulkan {
 std::shared_ptr<const BottomLevel> Structures::find(const BoxesKey& key) const
 {
   std::lock_guard<std::mutex> lock(mutex);
-  const auto found = levels.find(key);
-  return found == levels.end() ? nullptr : found->second.lock();
+  const auto sameHash = levels.equal_range(key.hash());
+  for (auto entry = sameHash.first; entry != sameHash.second; ++entry)
+    if (const std::shared_ptr<const BottomLevel> level = entry->second.lock())
+      if (level->key == key) return level;
+  return nullptr;
 }
 
 void Structures::add(const std::shared_ptr<const BottomLevel>& level)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  levels[level->key] = level;
+  levels.insert({level->key.hash(), level});
 }
 
 void Structures::removeExpired()
@@ -163,13 +166,13 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
 {
   BuildCounts counts;
   std::vector<Build> builds;
-  std::map<BoxesKey, size_t> buildOf;
+  std::unordered_map<BoxesKey, size_t, HashOfKey> buildOf;
   for (LevelRequest& request : requests)
   {
     if (request.level || buildOf.count(request.key)) continue;
-    if (request.key.count > device.capabilities.maxBoxes)
+    if (request.key.boxes().size() > device.capabilities.maxBoxes)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, "ray queries need a structure of "
-                        + std::to_string(request.key.count) + " boxes: expected at most "
+                        + std::to_string(request.key.boxes().size()) + " boxes: expected at most "
                         + std::to_string(device.capabilities.maxBoxes) + ", the device's maxPrimitiveCount");
     Build build = Build();
     build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
@@ -178,10 +181,10 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
     build.geometry.geometry.aabbs = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_AABBS_DATA_KHR};
     build.geometry.geometry.aabbs.data.deviceAddress = request.boxes;
     build.geometry.geometry.aabbs.stride = sizeof(VkAabbPositionsKHR);
-    build.count = uint32_t(request.key.count);
+    build.count = uint32_t(request.key.boxes().size());
     build.from = request.previous ? request.previous->structure->handle : VK_NULL_HANDLE;
-    (build.from ? counts.updated : counts.built) += request.key.count;
-    buildOf[request.key] = builds.size();
+    (build.from ? counts.updated : counts.built) += request.key.boxes().size();
+    buildOf.insert({request.key, builds.size()});
     builds.push_back(build);
   }
   buildAll(device, builds);
@@ -193,7 +196,7 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
     device.structures.add(levels[entry.second]);
   }
   for (LevelRequest& request : requests)
-    if (!request.level) request.level = levels[buildOf[request.key]];
+    if (!request.level) request.level = levels[buildOf.at(request.key)];
   return counts;
 }
 

@@ -5,12 +5,13 @@
 
 /* Vulkan acceleration structures for ray queries: bottom levels of boxes, which scenes share, and top levels. */
 
+#include "boxes_key.h"
 #include "functions.h"
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <vector>
 
 namespace embree { namespace vulkan {
@@ -38,15 +39,6 @@ private:
   const std::shared_ptr<Buffer> memory;
 };
 
-/* Identifies a bottom level by the number and a hash of its boxes. */
-struct BoxesKey
-{
-  uint64_t count, hash;
-  bool operator<(const BoxesKey& other) const {
-    return count < other.count || (count == other.count && hash < other.hash);
-  }
-};
-
 struct BottomLevel
 {
   BoxesKey key;
@@ -63,7 +55,7 @@ public:
 
 private:
   mutable std::mutex mutex;
-  std::map<BoxesKey, std::weak_ptr<const BottomLevel>> levels;
+  std::unordered_multimap<uint64_t, std::weak_ptr<const BottomLevel>> levels;   // by hash of the key
 };
 
 struct LevelRequest

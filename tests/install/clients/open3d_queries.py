@@ -1,9 +1,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writes closest points on a torus and hits of rays, computed by Open3D, as bytes.   FILE
+"""Writes results of rays to FILE.rays and closest points on a torus to FILE.points, computed by Open3D, as bytes. Prints
+the numbers of hits, of occluded rays, and of triangles that rays hit.
 
-The rays hit nothing on Debian: their mask is 0, and Debian's Embree supports masks.
+    open3d_queries.py FILE
+
+Rays of Debian 12's Open3D hit nothing: their mask is 0, and Debian's Embree supports masks. Preload open3d_masks.c.
 """
 
 import sys
@@ -19,7 +22,13 @@ points = open3d.core.Tensor(numpy.random.default_rng(1).uniform(-1.5, 1.5, (2000
 closest = scene.compute_closest_points(points)
 distances = scene.compute_distance(points).numpy()
 assert 0 < distances.min() < 0.01 < distances.max()
-with open(sys.argv[1], "wb") as file:
-    for name, values in sorted(closest.items()) + sorted(scene.cast_rays(rays).items()):
-        file.write(name.encode() + values.numpy().tobytes())
-    file.write(distances.tobytes())
+hits = scene.cast_rays(rays)
+occluded, counts = scene.test_occlusions(rays).numpy(), scene.count_intersections(rays).numpy()
+number = numpy.isfinite(hits["t_hit"].numpy()).sum()
+for name, results, others in (("rays", hits, (occluded, counts)), ("points", closest, (distances,))):
+    with open(f"{sys.argv[1]}.{name}", "wb") as file:
+        for key, values in sorted(results.items()):
+            file.write(key.encode() + values.numpy().tobytes())
+        for values in others:
+            file.write(values.tobytes())
+print(number, occluded.sum(), counts.sum())

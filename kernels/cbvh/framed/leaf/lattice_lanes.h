@@ -41,7 +41,7 @@ namespace embree
         findCells();
         if (encoded == 0) return;
         fitHeights();
-        for (int v=0; v<9; v++) setHeight(v,(z[v]-binsLower)/binSize);
+        for (int v=0; v<9; v++) setHeight(v,(z[v]-binsLower)/nonZero(Double4(binSize)));
         const Double4 slack = raiseBorder();
         if (encoded) encodeThickness(slack);
       }
@@ -95,7 +95,7 @@ namespace embree
         const Int4 high = highestCodes([&](Float4 outer) { return above <= Double4(l + (Float4(1.0f)-outer)*e); });
         auto third = [&](int i) { return groups.vertices[along+i*across][axis]*(1.0/3); };
         const Double4 mean = third(0)+third(1)+third(2);
-        const Double4 middle = ((mean-l)/e*128.0 - 33.0)*0.5 + 0.5;
+        const Double4 middle = ((mean-l)/nonZero(Double4(e))*128.0 - 33.0)*0.5 + 0.5;
         const Int4 m = toInt(min(max(middle,0.0),31.0));
         const Int4 code = low | (high << 5) | (m << 10);
         word = axis == 0 ? code : word | (code << latticeShift(1));
@@ -104,7 +104,8 @@ namespace embree
         p[0] = l + outerOffsetsOf(low)*e;
         p[1] = l + toFloat(Int4(33) + (m << 1))*(1.0f/128.0f)*e;
         p[2] = l + (Float4(1.0f)-outerOffsetsOf(high))*e;
-        for (int i=0; i<2; i++) { widths[axis][i] = p[i+1]-p[i]; rcpWidths[axis][i] = Double4(1.0)/widths[axis][i]; }
+        // widths are 0 in lanes without a group
+        for (int i=0; i<2; i++) { widths[axis][i] = nonZero(p[i+1]-p[i]); rcpWidths[axis][i] = 1.0/widths[axis][i]; }
         const Double4 minWidth = (p[2]-p[0])*minCellWidth;
         encoded &= ((minWidth < widths[axis][0]) & (minWidth < widths[axis][1])).bits();
         for (int i=0; i<3; i++) {
@@ -216,7 +217,7 @@ namespace embree
 
         LineCrossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
         {
-          t = (l.planes[axis][1]-a[axis])/(b[axis]-a[axis]);
+          t = (l.planes[axis][1]-a[axis])/nonZero(b[axis]-a[axis]);
           across = a[1-axis] + t*(b[1-axis]-a[1-axis]);
           z = a[2] + t*(b[2]-a[2]);
         }
@@ -329,7 +330,7 @@ namespace embree
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
         const Double4 deficit = slack + groups.vertices[v][2] - surfaceHeight<v>();
-        const Double4 bins = min(deficit/binSize,double(latticeBins)), roundedDown = toDouble(toInt(bins)),
+        const Double4 bins = min(deficit/nonZero(Double4(binSize)),double(latticeBins)), roundedDown = toDouble(toInt(bins)),
           roundedUp = roundedDown + ((roundedDown < bins) & Double4(1.0));
         setHeight(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < deficit)) & roundedUp));
       }

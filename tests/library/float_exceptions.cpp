@@ -1,0 +1,158 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compressed geometries are built and traced without the floating-point exceptions that Embree's device setting
+ * float_exceptions=1 traps, division by zero and denormal operands, as Embree's own geometries are. Programs also
+ * enable such traps by feenableexcept. */
+
+#include "support/edge_rates.h"
+#include "support/float_traps.h"
+#include "support/moving_surface.h"
+#include "support/query_forms.h"
+#include "support/same_hits.h"
+#include "support/saved.h"
+
+namespace cbvh::test {
+namespace {
+
+#if defined(CBVH_FLOAT_TRAPS)
+
+class FloatExceptions : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Isas, FloatExceptions, testing::Values(TEST_ISAS), nameOfIsa);
+
+// Rays at vertices and between them from all sides, along axes and in planes of faces, from the surface, and short ones.
+std::vector<RTCRayHit> raysOfAllKinds(Random& random, unsigned count)
+{
+  std::vector<RTCRayHit> rays = raysAt(random, count);
+  for (unsigned i = 0; i < count; i++) {
+    Vec o, d;
+    const unsigned zeros = 1 + random.below(6); // mask of components that are 0
+    for (unsigned k = 0; k < 3; k++) {
+      o[k] = random.chance(0.3) ? float(random.below(9))/4 - 1 : float(random.uniform(-1, 1));
+      d[k] = (zeros >> k) & 1 ? (random.chance(0.5) ? 0.0f : -0.0f) : float(random.uniform(-1, 1));
+      if (random.chance(0.5)) o[k] -= 3*d[k];
+    }
+    rays.push_back(makeRay(o, d, random.chance(0.3) ? 0.5f : 0, random.chance(0.3) ? 2 : INFINITY));
+  }
+  for (size_t i = 0; i < rays.size(); i += 5) rays[i].ray.time = float(random.uniform());
+  for (size_t i = 1; i < rays.size(); i += 5) rays[i].ray.time = float(random.below(3))/2;
+  return rays;
+}
+
+void queryPoints(RTCScene scene, Random& random, unsigned count)
+{
+  for (unsigned i = 0; i < count; i++) {
+    RTCPointQuery query;
+    query.x = float(random.uniform(-1.2, 1.2)); query.y = random.chance(0.3) ? 0 : float(random.uniform(-1.2, 1.2));
+    query.z = random.chance(0.3) ? 1 : float(random.uniform(-1.2, 1.2));
+    query.time = float(random.uniform());
+    query.radius = random.chance(0.3) ? INFINITY : random.chance(0.1) ? 0 : float(random.uniform(0, 0.6));
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene, &query, &context, [](RTCPointQueryFunctionArguments* args) {
+      args->query->radius *= 0.9f;
+      return true;
+    }, nullptr);
+  }
+}
+
+void addInstances(RTCDevice device, RTCScene top, RTCScene scene)
+{
+  const float transforms[2][12] = {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}};
+  for (unsigned timeSteps : {1u, 2u}) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, scene);
+    rtcSetGeometryTimeStepCount(instance, timeSteps);
+    for (unsigned t = 0; t < timeSteps; t++)
+      rtcSetGeometryTransform(instance, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transforms[t]);
+    rtcCommitGeometry(instance);
+    attach(top, instance);
+  }
+  rtcCommitScene(top);
+}
+
+// Builds and traces a geometry, alone and in instances, with traps, and expects none.
+template<typename Make>
+void expectNoTraps(const std::string& config, const Make& make)
+{
+  FloatTraps traps;
+  Device device(config + ",float_exceptions=1"); // traps in this thread
+  ASSERT_TRUE(device);
+  ASSERT_EQ(_mm_getcsr() & 0x1F80, 0x1F80u & ~(_MM_MASK_DIV_ZERO | _MM_MASK_DENORM));
+  if (getenv("MORE")) _mm_setcsr(_mm_getcsr() & ~strtoul(getenv("MORE"), nullptr, 16));
+  RTCGeometry geometry = make(device);
+  EXPECT_EQ(traps.takeReport(), "") << "commit of the geometry";
+  Scene scene(device), top(device);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(traps.takeReport(), "") << "commit of the scene";
+  addInstances(device, top, scene);
+  EXPECT_EQ(traps.takeReport(), "") << "commit of instances";
+  Random random(77);
+  const std::vector<RTCRayHit> rays = raysOfAllKinds(random, 501);
+  EXPECT_EQ(traps.takeReport(), "") << "the test's own rays";
+  size_t hits = 0;
+  for (RTCScene of : {RTCScene(scene), RTCScene(top)})
+    for (QueryForm form : allQueryForms) {
+      for (const RTCRayHit& r : closestHits(of, rays, form)) hits += isHit(r);
+      EXPECT_EQ(traps.takeReport(), "") << "closest hits of " << nameOf(form) << (of == top ? " of instances" : "");
+      for (const RTCRayHit& r : anyHits(of, rays, form)) hits += r.ray.tfar < 0;
+      EXPECT_EQ(traps.takeReport(), "") << "any hits of " << nameOf(form) << (of == top ? " of instances" : "");
+    }
+  EXPECT_GT(hits, rays.size());
+  queryPoints(scene, random, 100);
+  queryPoints(top, random, 100);
+  EXPECT_EQ(traps.takeReport(), "") << "point queries";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST_P(FloatExceptions, NoneInAnyFormOfGeometry)
+{
+  if (!Device(GetParam())) GTEST_SKIP() << "this machine does not support " << GetParam();
+  for (const Saveable& form : allSaveable()) {
+    SCOPED_TRACE(form.name);
+    expectNoTraps(GetParam(), form.make);
+  }
+}
+
+// Cages of all kinds and representations, with and without motion, flat or displaced.
+TEST_P(FloatExceptions, NoneInAnyCage)
+{
+  if (!Device(GetParam())) GTEST_SKIP() << "this machine does not support " << GetParam();
+  Random random(78);
+  Cage squashed = cubeCage();
+  for (Vec& p : squashed.positions) p[2] = 0;
+  Cage thread = cubeCage();
+  for (Vec& p : thread.positions) p[1] = p[2] = 0;
+  std::vector<std::pair<std::string, Cage>> cages = {
+    {"quad", quadCage()}, {"sheet", sheetCage(3)}, {"squashed cube", squashed}, {"thread", thread}};
+  for (const auto& closed : closedCages) cages.push_back({closed.name, closed.cage});
+  for (const auto& cage : cages)
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
+                                       RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
+      for (bool isDisplaced : {false, true})
+        for (unsigned timeSteps : {1u, 3u}) {
+          if (cage.second.positions[1][1] == 0 && !isDisplaced && cage.first == "thread" ) continue;
+          SCOPED_TRACE(cage.first + " as " + kindName(compression) + (isDisplaced ? ", displaced, " : ", ") +
+                       std::to_string(timeSteps) + " steps");
+          Displacement displacement;
+          SurfaceSettings settings;
+          settings.compression = compression;
+          settings.timeSteps = timeSteps;
+          settings.rate = 9;
+          if (isDisplaced) settings.displacement = &displacement;
+          expectNoTraps(GetParam(), [&](RTCDevice device) { return newSurface(device, cage.second, settings); });
+          settings.edgeRates = drawRates(cage.second, random, rateSets[0].draw);
+          expectNoTraps(GetParam(), [&](RTCDevice device) { return newSurface(device, cage.second, settings); });
+        }
+}
+
+#else
+
+TEST(FloatExceptions, None) { GTEST_SKIP() << "requires x86-64 and Linux"; }
+
+#endif
+
+} // namespace
+} // namespace cbvh::test
