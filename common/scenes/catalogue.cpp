@@ -172,15 +172,21 @@ void validateMap(const SceneSettings& s)
 
 } // namespace
 
-void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale, const Cage& cage)
+void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale,
+                   const std::optional<float>& midLevel, const Cage& cage)
 {
   const float largest = 1e17f; // Embree's limit is 1.8e18; heights and --rough can exceed the scale several times
   const float scale = mapScale ? *mapScale : amplitude.value_or(0.0f);
   const float unit = mapScale ? 1.0f : cage.bounds().diagonal();
-  if (unit > largest || std::fabs(scale) * unit <= largest)
+  if (unit > largest)
     return;
-  throw Error(settingName(mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale)
-              + " is too large: expected at most " + shortNumber(largest / unit) + " for this cage");
+  if (!(std::fabs(scale) * unit <= largest))
+    throw Error(settingName(mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale) +
+                " is too large: expected at most " + shortNumber(largest / unit) + " for this cage");
+  const float highest = largest / (std::fabs(scale) * unit);
+  if (midLevel && std::fabs(*midLevel) > highest)
+    throw Error(settingName("mid-level") + " " + shortNumber(*midLevel) + " is too large: expected at most " +
+                shortNumber(highest) + " for this cage and scale");
 }
 
 const std::vector<std::string>& sceneNames()
@@ -277,7 +283,7 @@ Model loadScene(const SceneSettings& given, std::string& warnings)
     model = findScene(settings.scene)->make(settings);
     validateCage(model.cage, warnings);
   }
-  validateScale(settings.amplitude, settings.mapScale, model.cage);
+  validateScale(settings.amplitude, settings.mapScale, settings.midLevel, model.cage);
   if (!settings.motion.empty())
     addMotion(model, motionOf(settings));
   return model;

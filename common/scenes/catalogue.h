@@ -50,8 +50,9 @@ constexpr float defaultAmplitude = 0.006f;
 SceneSettings withDefaultAmplitude(SceneSettings settings);
 
 /* Throws Error if vertices that a displacement moves could exceed the coordinates that Embree accepts. amplitude,
- * mapScale: as in SceneSettings. */
-void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale, const Cage& cage);
+ * mapScale, midLevel: as in SceneSettings. */
+void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale,
+                   const std::optional<float>& midLevel, const Cage& cage);
 
 /* Generates or reads a model and validates its cage. Appends lines to `warnings`. Throws Error. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);

@@ -24,7 +24,8 @@ namespace {
 constexpr unsigned int maxSteps = 129; // RTC_MAX_TIME_STEP_COUNT
 constexpr size_t maxSharedBytes = size_t(1) << 34; // Embree's limit for vertices of grids and meshes
 
-/* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. */
+/* Copies an array of the application into a new buffer of a geometry, without gaps. size: bytes per item. Of vertices
+ * and attributes, Embree reads 16 bytes, beyond the last one, too: its asserts require numbers there. */
 void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t size, size_t stride, size_t count)
 {
@@ -33,6 +34,8 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
   if (!to) return; // the device reports the error
   if (stride == size) std::memcpy(to, data, size*count);
   else for (size_t i = 0; i < count; i++) std::memcpy(to + i*size, (const char*)data + i*stride, size);
+  if (type == RTC_BUFFER_TYPE_VERTEX || type == RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE)
+    std::memset(to + size*count, 0, 16 - sizeof(float)); // Embree allocates buffers with 16 more bytes
 }
 
 template<typename T>

@@ -18,6 +18,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -481,6 +482,13 @@ TEST(Beside, CagesAreDicedWhateverTheSettingsSelect)
   {
     const CbvhCage cage = cube();
     const Surface surface(context);
+    std::vector<void*> blocks; // leave NaN in the heap, where the cage's vertices will be
+    for (size_t bytes = 16; bytes < 2048; bytes += 16)
+      for (int i = 0; i < 20; i++) {
+        blocks.push_back(std::malloc(bytes));
+        std::memset(blocks.back(), 0xFF, bytes);
+      }
+    for (void* block : blocks) std::free(block);
     CbvhDicingArguments dicing = CbvhDicingArguments();
     dicing.position[2] = 5;
     dicing.pixelSize = 0.1f;

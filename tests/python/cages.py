@@ -161,7 +161,7 @@ class Cages(unittest.TestCase):
                 (ValueError, "boundary: .*'round'.*'none'.*'edge_and_corner'.*'edge_only'", (vertices, faces),
                  {"boundary": "round"}),
                 (cbvh.Error, "mine: face 1 .*vertex 1 ", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
-                (cbvh.Error, "mine: .* 16 .* 64 ", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
+                (cbvh.Error, "mine: .* 16 .* 1024 ", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 

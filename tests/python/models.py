@@ -110,6 +110,8 @@ class Heights(unittest.TestCase):
                 (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Model(sheet(), *arguments)
+        with self.assertRaisesRegex(cbvh.Error, r"^mid_level 1e\+38 .*large.*e\+19 "):
+            cbvh.Model(sheet(), np.zeros((4, 4)), mid_level=1e38)
 
 
 class Scenes(unittest.TestCase):

@@ -12,6 +12,7 @@
 namespace {
 thread_local bool isExhausted = false;
 thread_local unsigned allowed = 0; // allocations that an exhausted heap does not refuse yet
+thread_local bool refusesOnce = false; // there is memory again after an allocation was refused
 thread_local unsigned refused = 0;
 }
 
@@ -19,7 +20,7 @@ thread_local unsigned refused = 0;
 // about a free() whose memory comes from operator new.
 __attribute__((noinline)) void* operator new(std::size_t bytes)
 {
-  if (isExhausted && allowed == 0) { refused++; throw std::bad_alloc(); }
+  if (isExhausted && allowed == 0) { refused++; isExhausted = !refusesOnce; throw std::bad_alloc(); }
   if (isExhausted) allowed--;
   if (void* p = std::malloc(bytes ? bytes : 1)) return p;
   throw std::bad_alloc();

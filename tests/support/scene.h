@@ -205,6 +205,8 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCForma
   if (data.empty()) return;
   void* p = rtcSetNewGeometryBuffer(geometry, type, slot, format, sizeof(T), data.size());
   std::memcpy(p, data.data(), sizeof(T)*data.size());
+  /* Embree reads 16 bytes of the last vertex, and its asserts require numbers. It allocates them. */
+  if (type == RTC_BUFFER_TYPE_VERTEX) std::memset((char*)p + sizeof(T)*data.size(), 0, 4);
 }
 
 struct SurfaceSettings

@@ -181,10 +181,12 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   map.channel = channel;
   map.repeat = readRepeat(repeat);
   const float diagonal = cage.bounds().diagonal();
-  validateScale(amplitude, std::nullopt, cage);
-  map.scale = amplitude ? *amplitude * diagonal : map.values == MapValues::Heights ? defaultAmplitude * diagonal : 1.0f;
+  if (!amplitude && map.values == MapValues::Heights)
+    amplitude = defaultAmplitude;
+  map.scale = amplitude ? *amplitude * diagonal : 1.0f;
   if (height.is_none())
     return model;
+  validateScale(amplitude, amplitude ? std::nullopt : std::optional(map.scale), midLevel, cage);
   const Heights heights = readHeights(height);
   std::string warnings;
   model->displacement = interruptible(py::none(), [&] { return displace(cage, heights, map, warnings); });
