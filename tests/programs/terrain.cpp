@@ -217,6 +217,8 @@ TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
   const std::pair<std::string, std::vector<std::string>> outputs[] = {
     {missing + "/a.tif", {missing + "/a.tif", missing}},
     {xyz, {xyz}},
+    {folder + "/a.fits", {folder + "/a.fits", "fits", "tif"}}, // OpenImageIO's writers have errors
+    {folder + "/a.rla", {folder + "/a.rla", "rla", "tif"}},
     {folder, {folder, std::strerror(EISDIR)}},
     {path, {path, "input"}},
     {"''", {"--output ''"}}};
