@@ -86,6 +86,62 @@ TEST(PathTracerView, MatchesCamera)
     }
 }
 
+/* A triangle's normal is the product of two edges. */
+TEST(PathTracerNormal, HasUnitLengthAtEveryScale)
+{
+  const Vec3f normal{0.3f, -1.7f, 0.6f}, direction{0, 0, 1};
+  const Vec3f expected = path::facingNormal(normal, direction);
+  EXPECT_LT(dot(expected, direction), 0.0f);
+  for (int exponent = -120; exponent <= 126; exponent++)
+    EXPECT_LT(length(path::facingNormal(normal * std::ldexp(1.0f, exponent), direction) - expected), 3e-7f) << exponent;
+  for (const Vec3f none : {Vec3f{}, Vec3f{NAN, 1, 0}, Vec3f{INFINITY, 1, 0}})
+    EXPECT_EQ(length(path::facingNormal(none, direction) + direction), 0.0f);
+}
+
+/* The cube in other units, without its displacement. */
+std::vector<Vec3f> pictureAtScale(float scale, const char* representation, bool isOnVulkan)
+{
+  SceneSettings settings;
+  settings.scene = "cube";
+  std::string warning;
+  Model model = loadScene(settings, warning);
+  model.displacement = nullptr;
+  for (Vec3f& p : model.cage.positions)
+    p = p * scale;
+  BuildSettings build;
+  build.level = 4;
+  const BuiltScene grid(model, {RepresentationKind::Grid}, build);
+  const BuiltScene scene(model, parseRepresentations(representation, 2)[0], build);
+  const unsigned threads = threadCount(0);
+  const PathView view = makePathView(chooseCamera("full", model, grid, size, threads), model.view.up, bounces,
+                                     Shutter());
+  return render(isOnVulkan ? *makeVulkanPathTracer(scene.handle(), view, "")
+                           : *makeCpuPathTracer(scene.handle(), view, threads));
+}
+
+/* Powers of two, from 1e-12 to 1e14 units. Hits of Embree's GRID are not finite at 1e14 units. */
+TEST(PathTracerNormal, UnitsDoNotChangeThePicture)
+{
+  const bool isOnVulkan[] = {false, true};
+  for (const bool vulkan : isOnVulkan)
+    for (const char* representation : {"grid", "cvert"})
+    {
+      if (vulkan && !hasVulkanDevice())
+        continue;
+      const std::vector<Vec3f> expected = pictureAtScale(1, representation, vulkan);
+      for (const int exponent : {-40, -27, 38, 46})
+      {
+        if (std::string(representation) == "grid" && std::abs(exponent) >= 40)
+          continue;
+        const std::vector<Vec3f> pixels = pictureAtScale(std::ldexp(1.0f, exponent), representation, vulkan);
+        size_t differing = 0;
+        for (size_t i = 0; i < expected.size(); i++)
+          differing += !(relativeDifference(expected[i], pixels[i]) <= 1e-2f);
+        EXPECT_LE(differing, expected.size() / 50) << representation << " at 2^" << exponent << (vulkan ? ", GPU" : "");
+      }
+    }
+}
+
 class PathTracerPictures : public testing::TestWithParam<const char*>
 {
 };
