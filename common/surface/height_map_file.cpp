@@ -6,11 +6,11 @@
 #include "basics/image_file.h"
 #include "basics/progress.h"
 #include "surface/map_image.h"
+#include "surface/map_selection.h"
 
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fcntl.h>
@@ -147,20 +147,10 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
 {
   int first = 0;
   if (!channel.empty())
-  {
-    const auto named = std::find(spec.channelnames.begin(), spec.channelnames.end(), channel);
-    const char* const end = channel.data() + channel.size();
-    if (named != spec.channelnames.end())
-      first = int(named - spec.channelnames.begin());
-    else if (const auto number = std::from_chars(channel.data(), end, first);
-             number.ec != std::errc() || number.ptr != end || first < 0)
-      first = spec.nchannels;
-  }
-  if (first <= spec.nchannels - count)
+    first = channelNumber(spec.channelnames, channel);
+  if (first >= 0 && first <= spec.nchannels - count)
     return first;
-  std::string names;
-  for (const std::string& name : spec.channelnames)
-    names += (names.empty() ? "" : ", ") + name;
+  const std::string names = listOfChannels(spec.channelnames);
   if (count > 1)
     throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
                 (channel.empty() ? "" : " from '" + channel + "' on") + ": expected them among " + names);
@@ -187,10 +177,8 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   const QuietStderr quiet;
   const auto input = openImage(path);
   FileInfo info;
-  for (int number = 0; input->seek_subimage(number, 0); number++)
+  for (int number = 0; (number = seekPicture(*input, number)) >= 0; number++)
   {
-    if (input->isCopyOrMask())
-      continue;
     info.numbers.push_back(number);
     const int first = findChannel(input->spec(), channel, count, path);
     input->setChannelRange({first, count, neutral});
