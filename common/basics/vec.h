@@ -45,10 +45,34 @@ T dot(Vec3<T> a, Vec3<T> b)
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/* True if the square of a vector's length did not over- or underflow, so that its root is accurate. */
+template<typename T>
+bool isAccurateSquare(T square)
+{
+  using Limits = std::numeric_limits<T>;
+  return square >= Limits::min() / Limits::epsilon() && square <= Limits::max();
+}
+
+/* Scales a vector so that its largest component is 1. Returns its previous magnitude; does nothing and returns 0 for
+ * vectors that are zero or not finite. */
+template<typename T>
+T scaleToOne(Vec3<T>& a)
+{
+  const T largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+  if (!(largest > T(0) && largest <= std::numeric_limits<T>::max()))
+    return T(0);
+  a = {a.x / largest, a.y / largest, a.z / largest};
+  return largest;
+}
+
 template<typename T>
 T length(Vec3<T> a)
 {
-  return std::sqrt(dot(a, a));
+  const T square = dot(a, a);
+  if (isAccurateSquare(square))
+    return std::sqrt(square);
+  const T scale = scaleToOne(a);
+  return scale > T(0) ? scale * std::sqrt(dot(a, a)) : std::sqrt(square);
 }
 
 template<typename T>
@@ -61,15 +85,8 @@ Vec3<T> cross(Vec3<T> a, Vec3<T> b)
 template<typename T>
 Vec3<T> normalize(Vec3<T> a)
 {
-  using Limits = std::numeric_limits<T>;
-  const T square = dot(a, a);
-  if (!(square >= Limits::min() / Limits::epsilon() && square <= Limits::max())) // inexact or out of range
-  {
-    const T largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
-    if (!(largest > T(0) && largest <= Limits::max()))
-      return a;
-    a = {a.x / largest, a.y / largest, a.z / largest};
-  }
+  if (!isAccurateSquare(dot(a, a)) && scaleToOne(a) == T(0))
+    return a;
   return a * (T(1) / length(a));
 }
 

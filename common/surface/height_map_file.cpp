@@ -6,11 +6,11 @@
 #include "basics/image_file.h"
 #include "basics/progress.h"
 #include "surface/map_image.h"
+#include "surface/map_selection.h"
 
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fcntl.h>
@@ -170,25 +170,17 @@ int defaultChannel(const OIIO::ImageSpec& spec, int count)
 int findChannel(const MapImage& input, const std::string& channel, int count)
 {
   const OIIO::ImageSpec& spec = input.spec();
-  int first = channel.empty() ? defaultChannel(spec, count) : -1;
-  for (const std::string& prefix : {std::string(), input.partName() + "."})
-    for (int i = 0; i < spec.nchannels && first < 0; i++)
-      if (prefix + spec.channelnames[size_t(i)] == channel)
-        first = i;
-  const char* const end = channel.data() + channel.size();
-  int number = 0;
-  const auto read = std::from_chars(channel.data(), end, number);
-  if (first < 0 && read.ec == std::errc() && read.ptr == end)
-    first = number;
+  int first = channel.empty() ? defaultChannel(spec, count) : channelNumber(spec.channelnames, channel);
+  const std::string part = input.partName() + ".";
+  if (first < 0 && channel.compare(0, part.size(), part) == 0)
+    first = channelNumber(spec.channelnames, channel.substr(part.size()));
   return first <= spec.nchannels - count ? first : -1;
 }
 
 std::string channelsOf(const MapImage& input)
 {
-  std::string names;
-  for (const std::string& name : input.spec().channelnames)
-    names += (names.empty() ? "" : ", ") + name;
-  return names + (input.partName().empty() ? "" : " (part " + input.partName() + ")");
+  return listOfChannels(input.spec().channelnames) +
+         (input.partName().empty() ? "" : " (part " + input.partName() + ")");
 }
 
 [[noreturn]] void throwUnknownChannel(const std::string& path, const std::string& channel, int count,

@@ -287,9 +287,10 @@ struct CbvhDicingArguments
 struct CbvhAccuracy
 {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
-  float maxError CBVH_ZERO;           /* in units of the vertices: largest spacing of the lattice. A vertex moves by
-                                       * at most half a spacing on each axis, which is 0.866 spacings in space. If it
-                                       * lies on an edge of a coarser grid, it moves with that edge, by at most
+  float maxError CBVH_ZERO;           /* in units of the vertices: largest spacing of the lattice. The spacing is a
+                                       * power of two, and coordinates that are multiples of it do not move. A vertex
+                                       * moves by at most half a spacing on each axis, which is 0.866 spacings in space.
+                                       * If it lies on an edge of a coarser grid, it moves with that edge, by at most
                                        * maxError. 0: the bound in the settings of the context, where 0 is lossless.
                                        * If they have none, there is no bound besides maxPixelError and the default
                                        * above */

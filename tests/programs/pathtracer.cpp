@@ -86,6 +86,68 @@ TEST(PathTracerView, MatchesCamera)
     }
 }
 
+/* A triangle's normal is the product of two edges. */
+TEST(PathTracerNormal, HasUnitLengthAtEveryScale)
+{
+  const Vec3f normal{0.3f, -1.7f, 0.6f}, direction{0, 0, 1};
+  const Vec3f expected = path::facingNormal(normal, direction);
+  EXPECT_LT(dot(expected, direction), 0.0f);
+  for (int exponent = -120; exponent <= 126; exponent++)
+    EXPECT_LT(length(path::facingNormal(normal * std::ldexp(1.0f, exponent), direction) - expected), 3e-7f) << exponent;
+  for (const Vec3f none : {Vec3f{}, Vec3f{NAN, 1, 0}, Vec3f{INFINITY, 1, 0}})
+    EXPECT_EQ(length(path::facingNormal(none, direction) + direction), 0.0f);
+}
+
+/* The cube in other units, without its displacement. */
+std::vector<Vec3f> pictureAtScale(float scale, const char* representation, bool isOnVulkan)
+{
+  SceneSettings settings;
+  settings.scene = "cube";
+  std::string warning;
+  Model model = loadScene(settings, warning);
+  model.displacement = nullptr;
+  for (Vec3f& p : model.cage.positions)
+    p = p * scale;
+  BuildSettings build;
+  build.level = 4;
+  const BuiltScene grid(model, {RepresentationKind::Grid}, build);
+  const BuiltScene scene(model, parseRepresentations(representation, 2)[0], build);
+  const unsigned threads = threadCount(0);
+  const PathView view = makePathView(chooseCamera("full", model, grid, size, threads), model.view.up, bounces,
+                                     Shutter());
+  return render(isOnVulkan ? *makeVulkanPathTracer(scene.handle(), view, "")
+                           : *makeCpuPathTracer(scene.handle(), view, threads));
+}
+
+size_t numDifferingAtScale(int exponent, const std::vector<Vec3f>& expected, const char* representation,
+                           bool isOnVulkan)
+{
+  const std::vector<Vec3f> pixels = pictureAtScale(std::ldexp(1.0f, exponent), representation, isOnVulkan);
+  size_t count = 0;
+  for (size_t i = 0; i < expected.size(); i++)
+    count += !(relativeDifference(expected[i], pixels[i]) <= 1e-2f);
+  return count;
+}
+
+/* Powers of two, from 1e-12 to 1e14 units. Hits of Embree's GRID are not finite at 1e14 units. */
+TEST(PathTracerNormal, UnitsDoNotChangeThePicture)
+{
+  const std::vector<Vec3f> grid = pictureAtScale(1, "grid", false), cvert = pictureAtScale(1, "cvert", false);
+  for (const int exponent : {-27, 38})
+    EXPECT_LE(numDifferingAtScale(exponent, grid, "grid", false), grid.size() / 50) << exponent;
+  for (const int exponent : {-40, -27, 38, 46})
+    EXPECT_LE(numDifferingAtScale(exponent, cvert, "cvert", false), cvert.size() / 50) << exponent;
+}
+
+TEST(PathTracerNormal, UnitsDoNotChangeThePictureOfTheShader)
+{
+  if (!hasVulkanDevice())
+    GTEST_SKIP() << "no Vulkan device";
+  const std::vector<Vec3f> expected = pictureAtScale(1, "cvert", true);
+  for (const int exponent : {-40, 46})
+    EXPECT_LE(numDifferingAtScale(exponent, expected, "cvert", true), expected.size() / 50) << exponent;
+}
+
 class PathTracerPictures : public testing::TestWithParam<const char*>
 {
 };

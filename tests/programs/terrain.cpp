@@ -5,9 +5,11 @@
 
 #include "basics/image_file.h"
 #include "support/message_parts.h"
+#include "support/tiff_file.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -201,6 +203,189 @@ TEST_F(Terrain, MissingSamplesAreHoles)
   for (int y = 0; y < 51; y++)
     for (int x = 0; x < 51; x++)
       ASSERT_EQ(std::isnan(picture.at(x, y)), (x == 20 && y > 10) || y == 3) << x << ", " << y;
+}
+
+/* Samples beside walls whose sky-view factor is farther than `tolerance` from the exact terrain's, and their number. */
+std::array<size_t, 2> countBesideWalls(const Picture& ours, const Picture& exact, double tolerance,
+                                       const std::function<double(int x, int y)>& heightAt)
+{
+  std::array<size_t, 2> counts = {0, 0};
+  for (int y = 0; y < exact.height; y++)
+    for (int x = 0; x < exact.width; x++)
+    {
+      bool isBesideWall = false;
+      for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++)
+        {
+          const int i = std::clamp(x + dx, 0, exact.width - 1), j = std::clamp(y + dy, 0, exact.height - 1);
+          isBesideWall |= heightAt(i, j) > heightAt(x, y) + 2;
+        }
+      counts[0] += isBesideWall && std::abs(ours.at(x, y) - exact.at(x, y)) > tolerance;
+      counts[1] += isBesideWall;
+    }
+  return counts;
+}
+
+/* Columns and rows do not move, whatever the cell is: otherwise the stored wall leans over samples beside it. */
+TEST_F(Terrain, SamplesBesideWallsSeeTheSky)
+{
+  const auto tower = [](int x, int y) { return x >= 3 && x <= 5 && y >= 3 && y <= 5 ? 20.0 : 0.0; };
+  const auto city = [](int x, int y) { return x % 17 < 8 && y % 13 < 7 ? 5.0 + (x / 17 * 7 + y / 13 * 3) % 20 : 0.0; };
+  const std::string towerPath = write<float>(OIIO::TypeDesc::FLOAT, 8, 8, tower);
+  const std::string cityPath = write<float>(OIIO::TypeDesc::FLOAT, 60, 60, city);
+  for (const char* cell : {"0.2", "0.25", "0.3", "1.1", "0.0101", "3e5"})
+  {
+    const std::string options = std::string(" --azimuths 8 --cell ") + cell;
+    const Picture ofTower = run(towerPath + options), exactTower = run(towerPath + options + " --embree triangle"),
+                  ofCity = run(cityPath + options), exactCity = run(cityPath + options + " --embree triangle");
+    const std::array<size_t, 2> tower8 = countBesideWalls(ofTower, exactTower, 0.02, tower),
+                                city60 = countBesideWalls(ofCity, exactCity, 0.02, city);
+    EXPECT_EQ(tower8[0], 0u) << "of " << tower8[1] << " at the tower, --cell " << cell;
+    EXPECT_EQ(city60[0], 0u) << "of " << city60[1] << " in the city, --cell " << cell;
+    EXPECT_GT(city60[1], 300u);
+  }
+}
+
+/* On a plane with a small slope, each sample sees nearly the whole sky, although the stored plane has steps. */
+TEST_F(Terrain, RaysStartAboveTheStoredSurfaceAtAnyError)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 101, 101, [](int x, int y) {
+    return 300 + 0.003 * x + 0.007 * y;
+  });
+  for (const char* error : {"0.001", "0.02", "0.1", "0.5"})
+  {
+    const Picture picture = run(path + " --azimuths 8 --cell 1 --max-error " + error);
+    ASSERT_EQ(picture.values.size(), 101u * 101u);
+    for (float factor : picture.values)
+      ASSERT_GT(factor, 0.5f) << "--max-error " << error;
+  }
+}
+
+TEST_F(Terrain, RaysStartAboveSurfacesWhoseFloatsAreCoarse)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return 3e6; });
+  for (float factor : run(path + " --cell 0.2 --azimuths 8").values)
+    ASSERT_EQ(factor, 1.0f);
+  EXPECT_TRUE(test::containsInOrder(textOf("/stderr"), {"warning", "--start-height 0.003125"})) << textOf("/stderr");
+  run(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills) + " --azimuths 4");
+  EXPECT_EQ(textOf("/stderr").find("warning"), std::string::npos) << textOf("/stderr");
+}
+
+TEST_F(Terrain, NoHeightMovesFartherThanHalfOfTheLargestError)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills) + " --azimuths 1 --cell 0.3";
+  for (const double error : {1e-4, 0.03, 2.0})
+  {
+    run(path + " --max-error " + std::to_string(error));
+    const std::string text = textOf("/stdout"), mark = "moved: ";
+    const double moved = std::stod(text.substr(text.find(mark) + mark.size()));
+    EXPECT_GT(moved, error / 8);
+    EXPECT_LE(moved, error / 2);
+  }
+}
+
+/* 8-bit colors of map tiles; `channels` is 3 or 4. */
+std::string writeColors(const std::string& path, int channels, const std::function<long(int x, int y)>& codeAt,
+                        const std::function<int(int x, int y)>& alphaAt)
+{
+  std::vector<uint8_t> bytes;
+  for (int y = 0; y < 31; y++)
+    for (int x = 0; x < 41; x++)
+    {
+      for (int shift : {16, 8, 0})
+        bytes.push_back(uint8_t(codeAt(x, y) >> shift));
+      if (channels == 4)
+        bytes.push_back(uint8_t(alphaAt(x, y)));
+    }
+  writeImageFile(path, OIIO::ImageSpec(41, 31, channels, OIIO::TypeDesc::UINT8), OIIO::TypeDesc::UINT8, bytes.data());
+  return path;
+}
+
+TEST_F(Terrain, MapTilesAreDecoded)
+{
+  const auto codeOfTerrarium = [](int x, int y) { return std::lround((hills(x, y) + 32768) * 256); };
+  const auto codeOfMapbox = [](int x, int y) { return std::lround((hills(x, y) + 10000) * 10); };
+  const auto isMissing = [](int x, int y) { return x == 7 && y == 9; };
+  const auto alphaAt = [&](int x, int y) { return isMissing(x, y) ? 0 : 255; };
+  const std::string options = " --azimuths 8 --cell 2";
+  for (const bool isTerrarium : {true, false})
+    for (const int channels : {3, 4})
+    {
+      const std::function<long(int, int)> codeAt =
+        isTerrarium ? std::function<long(int, int)>(codeOfTerrarium) : codeOfMapbox;
+      const Picture expected = run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31, [&](int x, int y) {
+        if (channels == 4 && isMissing(x, y))
+          return double(NAN);
+        return isTerrarium ? double(codeAt(x, y)) / 256 - 32768 : double(codeAt(x, y)) / 10 - 10000;
+      }) + options);
+      const std::string file = folder + "/tile" + std::to_string(files++) + ".png";
+      const std::string path = writeColors(file, channels, codeAt, alphaAt);
+      const Picture decoded = run(path + options + " --encoding " + (isTerrarium ? "terrarium" : "mapbox"));
+      ASSERT_EQ(decoded.values.size(), expected.values.size());
+      for (size_t i = 0; i < expected.values.size(); i++)
+        if (std::isnan(expected.values[i]))
+          EXPECT_TRUE(std::isnan(decoded.values[i])) << i;
+        else
+          EXPECT_EQ(decoded.values[i], expected.values[i]) << i;
+    }
+}
+
+TEST_F(Terrain, ColorsAreNoHeights)
+{
+  const std::string path = writeColors(folder + "/relief.png", 3, [](int x, int y) {
+    return (std::lround(hills(x, y) + 100) << 16) + 40 * y;
+  }, nullptr);
+  expectRefusal(path, {path, "3 channels (R, G, B)", "one channel", "--channel", "--encoding"});
+  expectRefusal(path + " --channel height", {path, "--channel 'height'", "R, G, B"});
+  expectRefusal(path + " --channel 3", {path, "--channel '3'", "R, G, B"});
+  expectRefusal(path + " --encoding png", {"--encoding 'png'", "terrarium", "mapbox"});
+  expectRefusal(path + " --encoding mapbox --channel R", {"--channel 'R'", "--encoding"});
+  const std::string options = " --azimuths 4 --cell 2";
+  const Picture red = run(path + options + " --channel R"), first = run(path + options + " --channel 0"),
+                expected = run(write<uint8_t>(OIIO::TypeDesc::UINT8, 41, 31, [](int x, int y) {
+                  return std::lround(hills(x, y) + 100);
+                }) + options);
+  EXPECT_EQ(red.values, expected.values);
+  EXPECT_EQ(first.values, expected.values);
+  test::TiffLayout palette;
+  palette.width = palette.height = 4;
+  palette.photometric = 3;
+  palette.colors = std::vector<uint16_t>(3 * 256, 40000);
+  const std::string indexed = folder + "/palette.tif";
+  test::writeTiff(indexed, palette, std::string(16, 7));
+  expectRefusal(indexed, {indexed, "3 channels", "one channel"});
+  const std::string grey = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
+  expectRefusal(grey + " --encoding terrarium", {grey, "1 channel", "float", "uint8", "--encoding"});
+}
+
+/* The first page may be a mask. */
+TEST_F(Terrain, SmallerCopiesAndMasksAreNotTheTerrain)
+{
+  constexpr unsigned smaller = 1, mask = 4; // NewSubfileType
+  const std::string path = folder + "/pages.tif", alone = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills);
+  const auto writePages = [&](const std::vector<unsigned>& subfiles) {
+    test::TiffWriter writer(false, false);
+    for (const unsigned subfile : subfiles)
+    {
+      test::TiffLayout page;
+      page.subfile = subfile;
+      page.width = subfile == smaller ? 20 : 41;
+      page.height = subfile == smaller ? 15 : 31;
+      page.bits = subfile == mask ? 8 : 32;
+      page.format = subfile == mask ? 1 : 3;
+      std::vector<float> heights;
+      for (int y = 0; y < int(page.height); y++)
+        for (int x = 0; x < int(page.width); x++)
+          heights.push_back(subfile ? 1.0f : float(hills(x, y)));
+      writer.addPage(page, subfile == mask ? std::string(41 * 31, '\xff') : test::bytesOf(heights));
+    }
+    writer.save(path);
+  };
+  writePages({mask, smaller, 0});
+  const std::string options = " --azimuths 4 --cell 2";
+  EXPECT_EQ(run(path + options).values, run(alone + options).values);
+  writePages({mask, smaller});
+  expectRefusal(path, {path, "only smaller copies or masks"});
 }
 
 TEST_F(Terrain, LosslessVerticesDoNotMove)

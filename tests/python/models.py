@@ -64,7 +64,7 @@ class Heights(unittest.TestCase):
         names = {"heights": heights, "cell": 2.0, "origins": origins, "directions": [0, 0, -1]}
         exec(compile(code, page, "exec"), names)  # pylint: disable=exec-used
         self.assertTrue(names["hits"].hit.all())
-        np.testing.assert_allclose(1000 - names["hits"].t, heights[rows, columns], atol=0.05)
+        np.testing.assert_allclose(1000 - 2 * names["hits"].t, heights[rows, columns], atol=0.05)
 
     def test_array_leaves_no_file(self):
         with tempfile.TemporaryDirectory() as folder:

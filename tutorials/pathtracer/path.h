@@ -59,11 +59,23 @@ PATH_FUNCTION float tnearAfterHit (vec3 p, float t)
   return 32.0f*1.1920929e-7f*max(max(abs(p.x),abs(p.y)),max(abs(p.z),t));
 }
 
-/* The unit normal on the ray's side; the reversed ray if there is no normal. */
+/* Scales a vector so that its largest component is about 1. Vulkan divides accurately only by 2^-126 to 2^126. */
+PATH_FUNCTION vec3 scaledToOne (vec3 v)
+{
+  float largest = max(max(abs(v.x),abs(v.y)),abs(v.z)), factor = largest > 1.0f ? 0.25f : 4.0f;
+  return (v*factor)*(1.0f/(largest*factor));
+}
+
+/* The unit normal on the ray's side; the reversed ray if there is no normal. The length of Ng is twice the area of a
+ * triangle: its square overflows for models of 2e11 units and underflows below 4e-8. */
 PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
 {
   float square = dot(Ng,Ng);
-  if (!(square > 0.0f)) return vector(0.0f,0.0f,0.0f) - direction;
+  if (!(square >= 1e-31f && square <= 3.4e38f)) {
+    Ng = scaledToOne(Ng);
+    square = dot(Ng,Ng);
+  }
+  if (!(square > 0.0f && square <= 3.4e38f)) return vector(0.0f,0.0f,0.0f) - direction;
   return Ng*((dot(Ng,direction) > 0.0f ? -1.0f : 1.0f)/sqrt(square));
 }
 

@@ -7,6 +7,7 @@
 #include "elevation.h"
 #include "embree_terrain.h"
 #include "options.h"
+#include "terrain_space.h"
 #include "basics/error.h"
 #include "basics/image_file.h"
 #include "basics/input_files.h"
@@ -14,6 +15,7 @@
 #include "basics/seconds.h"
 #include "basics/text.h"
 #include "programs/run_program.h"
+#include "programs/warnings.h"
 
 #include <sys/resource.h>
 
@@ -33,12 +35,13 @@ void check(CbvhError error)
 class CompressedTerrain
 {
 public:
-  explicit CompressedTerrain(const Options& options)
+  /* spacing: of the lattice that contains all vertices, or 0. */
+  CompressedTerrain(int threads, float spacing)
   {
-    check(cbvhNewContext(("threads=" + std::to_string(options.threads)).c_str(), nullptr, nullptr, &context));
+    check(cbvhNewContext(("threads=" + std::to_string(threads)).c_str(), nullptr, nullptr, &context));
     /* All tiles use the same spacing, so that shared vertices are the same floats. The default depends on each grid's
      * quads and would leave cracks. */
-    accuracy.maxError = options.maxError;
+    accuracy.maxError = spacing;
   }
   ~CompressedTerrain()
   {
@@ -89,24 +92,30 @@ private:
   CbvhGroupStatistics statistics{};
 };
 
+/* Returns the largest distance by which a vertex moved. */
 template<typename Terrain>
-void build(const Options& options, Elevation& elevation, Terrain& terrain)
+float build(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain)
 {
   Phase phase("building tiles");
+  float moved = 0;
   for (int y0 = 0; y0 < elevation.height() - 1; y0 += options.tile)
     for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile)
     {
       throwIfCanceled();
-      terrain.add(makeTile(options, elevation, x0, y0));
+      const TerrainTile tile = makeTile(options, elevation, space, x0, y0);
+      moved = std::max(moved, tile.moved);
+      terrain.add(tile);
       phase.update((double(y0) + double(x0) / elevation.width() * options.tile) / elevation.height());
     }
   terrain.commit();
+  return std::max(moved, terrain.maxDeviation());
 }
 
 /* Fraction of a horizontal surface's diffuse light that comes from the sky: the mean of cos^2 of the horizon's
  * elevation over all azimuths. Terrain without overhangs occludes every ray below the horizon. */
 template<typename Terrain>
-float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, size_t& rays)
+float skyViewFactor(const Options& options, const TerrainSpace& space, const Terrain& terrain, Vec3f from,
+                    size_t& rays)
 {
   double sum = 0;
   for (int i = 0; i < options.azimuths; i++)
@@ -115,12 +124,10 @@ float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, 
     const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
     const auto isOccluded = [&](double degrees) {
       rays++;
-      const double angle = degrees * M_PI / 180;
+      const Vec3f direction = space.direction(azimuth, degrees * M_PI / 180);
       CbvhRay ray{};
       ray.org_x = from.x; ray.org_y = from.y; ray.org_z = from.z;
-      ray.dir_x = float(std::sin(azimuth) * std::cos(angle));
-      ray.dir_y = float(std::cos(azimuth) * std::cos(angle));
-      ray.dir_z = float(std::sin(angle));
+      ray.dir_x = direction.x; ray.dir_y = direction.y; ray.dir_z = direction.z;
       ray.tfar = INFINITY;
       ray.mask = ~0u;
       return terrain.isOccluded(ray);
@@ -137,10 +144,23 @@ float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, 
   return float(sum / options.azimuths);
 }
 
-template<typename Terrain>
-void measure(const Options& options, Elevation& elevation, Terrain& terrain)
+/* Warns if floats are so coarse at the samples' heights that rays cannot start at options.startHeight. */
+void warnIfRaised(const Options& options, const TerrainSpace& space, const std::vector<float>& heights)
 {
-  const double buildSeconds = secondsOf([&] { build(options, elevation, terrain); });
+  float most = 0;
+  for (float height : heights)
+    if (std::isfinite(height))
+      most = std::max(most, space.rayHeight(height) - space.storedHeight(height));
+  if (options.startHeight > 0 && most > 2 * options.startHeight)
+    printWarnings("cbvh_terrain", "rays start up to " + shortNumber(most) + " above the surface instead of "
+                  "--start-height " + shortNumber(options.startHeight) + ": floats are too coarse at these heights");
+}
+
+template<typename Terrain>
+void measure(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain)
+{
+  float moved = 0;
+  const double buildSeconds = secondsOf([&] { moved = build(options, elevation, space, terrain); });
   if (terrain.numQuads() == 0)
     throw Error(options.elevation.path + ": no quad has four valid samples: expected heights that are neither "
                 "missing nor huge");
@@ -150,11 +170,12 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   std::printf("%d x %d samples, %.2f million quads: built in %.1f s, %.1f MiB, %.2f bytes per quad, "
               "peak of the process %.1f MiB\nlargest distance by which a vertex moved: %g\n",
               elevation.width(), elevation.height(), quads * 1e-6, buildSeconds, double(terrain.bytes()) / mebibyte,
-              double(terrain.bytes()) / quads, double(usage.ru_maxrss) / 1024, double(terrain.maxDeviation()));
+              double(terrain.bytes()) / quads, double(usage.ru_maxrss) / 1024, double(moved));
   std::fflush(stdout);
 
   const int x0 = options.crop[0], y0 = options.crop[1], w = options.crop[2] - x0, h = options.crop[3] - y0;
   const std::vector<float> heights = elevation.heights(x0, y0, w, h, threadCount(options.threads));
+  warnIfRaised(options, space, heights);
   std::vector<float> factors(heights.size());
   std::atomic<size_t> rays{0}, done{0};
   const double seconds = secondsOf([&] {
@@ -164,8 +185,8 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
       for (size_t i = begin; i < end; i++)
       {
         const int x = x0 + int(i % size_t(w)), y = y0 + int(i / size_t(w));
-        const Vec3f from = vertexAt(options, elevation, x, y, heights[i] + options.startHeight);
-        factors[i] = std::isfinite(from.z) ? skyViewFactor(options, terrain, from, traced) : NAN;
+        const Vec3f from = space.rayStart(x, y, heights[i]);
+        factors[i] = std::isfinite(from.z) ? skyViewFactor(options, space, terrain, from, traced) : NAN;
       }
       rays += traced;
       phase.update(double(done += end - begin) / double(factors.size()));
@@ -195,10 +216,11 @@ int run(int argc, char** argv)
   Elevation elevation(options.elevation);
   requireNoInputFile(options.output);
   setCrop(options, elevation);
+  const TerrainSpace space(options, elevation.height());
   if (options.embree.empty())
-    measure(options, elevation, *std::make_unique<CompressedTerrain>(options));
+    measure(options, elevation, space, *std::make_unique<CompressedTerrain>(options.threads, space.spacing()));
   else
-    measure(options, elevation, *std::make_unique<EmbreeTerrain>(options.embree));
+    measure(options, elevation, space, *std::make_unique<EmbreeTerrain>(options.embree));
   return 0;
 }
 

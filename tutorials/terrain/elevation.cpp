@@ -6,6 +6,7 @@
 #include "basics/input_files.h"
 #include "basics/parallel.h"
 #include "scenes/noise.h"
+#include "surface/map_selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,9 @@ namespace {
 /* Features are 256 to 4 samples wide; each octave is half as high as the previous one. */
 constexpr float longestWave = 256;
 constexpr int octaves = 7;
+
+/* Rows of colors that are in memory at a time. */
+constexpr int decodedRows = 256;
 
 /* Maps index i in a sequence of mirrored copies to an index in the raster of n samples. */
 int mirrored(int i, int n)
@@ -41,18 +45,59 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 {
   requireNoPipe(settings.path);
   recordInputFile(settings.path);
-  OIIO::ImageSpec spec;
-  if (!image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
-    throw Error(settings.path + ": cannot read this elevation raster: " + image.geterror());
-  unit = image.unit();
-  sourceWidth = spec.width;
-  sourceHeight = spec.height;
+  openPicture();
+  sourceWidth = image.spec().width;
+  sourceHeight = image.spec().height;
   if (sourceWidth < 2 || sourceHeight < 2)
     throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
                 std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
   if (std::max(double(settings.repeatX) * sourceWidth, double(settings.repeatY) * sourceHeight) > 1e6)
     throw Error("invalid --height-repeat " + std::to_string(settings.repeatX) + "x" + std::to_string(settings.repeatY) +
                 ": expected at most 1000000 samples along each side");
+}
+
+void Elevation::openPicture()
+{
+  const auto native = OIIO::ImageInput::open(settings.path);
+  const auto unreadable = [&](const std::string& reason) {
+    return Error(settings.path + ": cannot read this elevation raster: " + reason);
+  };
+  OIIO::ImageSpec spec;
+  if (!native || !image.open(settings.path, spec, MapImage::configuration({})))
+    throw unreadable(native ? image.geterror() : OIIO::geterror());
+  picture = seekPicture(image, 0);
+  if (picture < 0)
+    throw unreadable(image.rejection().empty()
+                       ? "it contains only smaller copies or masks: expected at least one other image"
+                       : "image " + std::to_string(image.current_subimage()) + ": " + image.rejection());
+  if (!native->seek_subimage(picture, 0))
+    throw unreadable(native->geterror());
+  selectChannels(native->spec().format);
+}
+
+/* Never takes one of several channels for the heights unless the caller says so. */
+void Elevation::selectChannels(OIIO::TypeDesc type)
+{
+  const OIIO::ImageSpec& spec = image.spec();
+  const std::string names = listOfChannels(spec.channelnames);
+  const std::string found = std::to_string(spec.nchannels) + (spec.nchannels == 1 ? " channel (" : " channels (") +
+                            names + ")";
+  if (settings.encoding != HeightEncoding::Plain)
+  {
+    if (spec.nchannels < 3 || type != OIIO::TypeDesc::UINT8)
+      throw Error(settings.path + ": the raster has " + found + " of type " + type.c_str() +
+                  ": expected red, green and blue of type uint8 for --encoding");
+    image.setChannelRange({0, 0, NAN}); // a byte that equals GDAL's tag is no missing height
+    return;
+  }
+  channel = settings.channel.empty() ? 0 : channelNumber(spec.channelnames, settings.channel);
+  if (channel < 0)
+    throw Error(settings.path + ": unknown --channel '" + settings.channel + "': expected one of " + names);
+  if (settings.channel.empty() && spec.nchannels > 1)
+    throw Error(settings.path + ": the raster has " + found + ": expected one channel, the heights; --channel selects "
+                "one of several, --encoding decodes heights from colors");
+  unit = image.unit();
+  image.setChannelRange({channel, 1, NAN});
 }
 
 /* Repeated rasters are small and are read completely. */
@@ -67,13 +112,35 @@ void Elevation::readRows(int begin, int end)
     return;
   rows.resize(size_t(sourceWidth) * size_t(end - begin));
   firstRow = begin;
-  if (!image.read_scanlines(0, 0, begin, end, 0, 0, 1, OIIO::TypeDesc::FLOAT, rows.data()))
-    throw Error(settings.path + ": cannot read rows of this elevation raster: " + image.geterror());
+  if (settings.encoding == HeightEncoding::Plain)
+    readChannels(begin, end, channel, channel + 1, rows.data());
+  else
+    for (int y = begin; y < end; y += decodedRows)
+      decodeRows(y, std::min(y + decodedRows, end), &rows[size_t(y - begin) * size_t(sourceWidth)]);
   for (float& height : rows)
   {
     height = unit == 1 ? height : std::round(height * unit);
     if (settings.nodata && height == *settings.nodata)
       height = NAN;
+  }
+}
+
+void Elevation::readChannels(int begin, int end, int firstChannel, int lastChannel, float* out)
+{
+  if (!image.read_scanlines(picture, 0, begin, end, 0, firstChannel, lastChannel, OIIO::TypeDesc::FLOAT, out))
+    throw Error(settings.path + ": cannot read rows of this elevation raster: " + image.geterror());
+}
+
+void Elevation::decodeRows(int begin, int end, float* out)
+{
+  const size_t channels = size_t(image.spec().nchannels), count = size_t(sourceWidth) * size_t(end - begin);
+  const int alpha = image.spec().alpha_channel;
+  std::vector<float> colors(count * channels);
+  readChannels(begin, end, 0, int(channels), colors.data());
+  for (size_t i = 0; i < count; i++)
+  {
+    const float* const color = &colors[i * channels];
+    out[i] = alpha >= 0 && color[alpha] == 0 ? NAN : decodeHeight(settings.encoding, color);
   }
 }
 

@@ -5,6 +5,7 @@
 
 /* An elevation raster; each sample is a vertex. Keeps the rows in use in memory, or all rows of a repeated raster. */
 
+#include "height_encoding.h"
 #include "surface/map_image.h"
 
 #include <cstddef>
@@ -17,6 +18,8 @@ namespace cbvh {
 struct ElevationSettings
 {
   std::string path;
+  std::string channel;          // name or number; empty: the raster's only channel
+  HeightEncoding encoding = HeightEncoding::Plain;
   std::optional<float> nodata;  // height of missing samples, in addition to NaN, -3.4e38 and GDAL's tag
   int repeatX = 1, repeatY = 1; // copies along x and y
   float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
@@ -25,7 +28,7 @@ struct ElevationSettings
 class Elevation
 {
 public:
-  /* Throws Error with the path. */
+  /* Reads the first image that is no smaller copy and no mask. Throws Error with the path. */
   explicit Elevation(const ElevationSettings& settings);
 
   /* Size in samples. Neighboring copies are mirrored and share a row or column, so there are no steps. */
@@ -37,11 +40,17 @@ public:
   std::vector<float> heights(int x0, int y0, int w, int h, unsigned threads);
 
 private:
+  void openPicture();
+  void selectChannels(OIIO::TypeDesc type);
   void readRows(int begin, int end);
+  void readChannels(int begin, int end, int firstChannel, int lastChannel, float* out);
+  void decodeRows(int begin, int end, float* out);
   float noiseAt(int x, int y) const;
 
   const ElevationSettings settings;
   MapImage image;
+  int picture = 0; // number of the image in its file
+  int channel = 0; // of plain heights
   float unit = 1; // of a file's sample, because MapImage maps integers to -1..1 or 0..1
   int sourceWidth = 0, sourceHeight = 0;
   int firstRow = 0;

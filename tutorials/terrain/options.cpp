@@ -19,11 +19,20 @@ void parseCopies(const std::string& text, ElevationSettings& elevation)
   elevation.repeatY = int(copies.y);
 }
 
+HeightEncoding parseEncoding(const std::string& text)
+{
+  if (text == "terrarium")
+    return HeightEncoding::Terrarium;
+  if (text == "mapbox")
+    return HeightEncoding::Mapbox;
+  throw Error("invalid --encoding '" + text + "': expected terrarium or mapbox");
+}
+
 } // namespace
 
 bool parseOptions(Options& options, int argc, char** argv)
 {
-  std::string repeat;
+  std::string repeat, encoding;
   CLI::App app("Computes the sky-view factor of each sample of an elevation raster. Traces horizons through the "
                "compressed terrain. All lengths have the unit of the raster's heights.", "cbvh_terrain");
   app.add_option("raster", options.elevation.path,
@@ -31,6 +40,11 @@ bool parseOptions(Options& options, int argc, char** argv)
   app.add_option("--output", options.output,
       "sky-view factors: float in TIFF or EXR, 16-bit in PNG")->type_name("FILE")->capture_default_str();
   app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
+  app.add_option("--channel", options.elevation.channel,
+      "name or number of the channel of heights [the only one]")->type_name("NAME|N");
+  app.add_option("--encoding", encoding,
+      "decode heights in meters from the colors of map tiles: terrarium, or mapbox for Mapbox's Terrain-RGB; samples "
+      "whose alpha is 0 are missing")->type_name("terrarium|mapbox");
   app.add_option("--nodata", options.elevation.nodata,
       "height of missing samples, in addition to NaN and GDAL's tag");
   app.add_option("--height-repeat", repeat, "copies of the raster, every other one mirrored; N, or columns x rows [1]")
@@ -44,9 +58,9 @@ bool parseOptions(Options& options, int argc, char** argv)
   app.add_option("--accuracy", options.accuracy,
       "accuracy of horizons in degrees, 0.001 to 10")->capture_default_str();
   app.add_option("--max-error", options.maxError,
-      "largest spacing of the lattice on which vertices are stored, 0 for lossless [1/128 of a cell]");
+      "largest spacing of the lattice on which heights are stored, 0 for lossless [1/128 of a cell]");
   app.add_option("--start-height", options.startHeight,
-      "height above the samples at which rays start [1/64 of a cell]");
+      "height above the stored surface at which rays start [1/64 of a cell]");
   app.add_option("--tile", options.tile, "quads per side of a tile")
       ->capture_default_str()->check(CLI::Range(16, 16000));
   app.add_option("--threads", options.threads, "number of threads, 0 for all")
@@ -71,6 +85,11 @@ bool parseOptions(Options& options, int argc, char** argv)
     options.maxError = options.cell / 128;
   if (!app.count("--start-height"))
     options.startHeight = options.cell / 64;
+  if (app.count("--encoding"))
+    options.elevation.encoding = parseEncoding(encoding);
+  if (app.count("--encoding") && app.count("--channel"))
+    throw Error("invalid --channel '" + options.elevation.channel + "': expected none with --encoding, which reads "
+                "red, green and blue");
   if (app.count("--height-repeat"))
     parseCopies(repeat, options.elevation);
   if (app.count("--height-repeat") && !app.count("--noise-height"))

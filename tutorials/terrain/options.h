@@ -14,8 +14,8 @@ struct Options
 {
   ElevationSettings elevation;
   float cell = 30;            // distance between samples, in the raster's unit, as all lengths
-  float maxError = 0;         // largest spacing of the vertices' lattice, 0 for lossless
-  float startHeight = 0;      // of rays above the samples
+  float maxError = 0;         // largest spacing of the lattice of heights, 0 for lossless
+  float startHeight = 0;      // of rays above the stored surface
   int tile = 1000;            // quads per side of a tile
   int azimuths = 16;          // directions per sample
   float accuracy = 0.1f;      // of horizons, in degrees

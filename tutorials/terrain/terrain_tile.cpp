@@ -5,15 +5,11 @@
 #include "basics/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cbvh {
 
-Vec3f vertexAt(const Options& options, const Elevation& elevation, int x, int y, float height)
-{
-  return {options.cell * float(x), options.cell * float(elevation.height() - 1 - y), height};
-}
-
-TerrainTile makeTile(const Options& options, Elevation& elevation, int x0, int y0)
+TerrainTile makeTile(const Options& options, Elevation& elevation, const TerrainSpace& space, int x0, int y0)
 {
   TerrainTile tile;
   tile.width = std::min(options.tile, elevation.width() - 1 - x0) + 1;
@@ -21,7 +17,12 @@ TerrainTile makeTile(const Options& options, Elevation& elevation, int x0, int y
   const std::vector<float> heights = elevation.heights(x0, y0, tile.width, tile.height, threadCount(options.threads));
   tile.vertices.resize(heights.size() + 1);
   for (size_t i = 0; i < heights.size(); i++)
-    tile.vertices[i] = vertexAt(options, elevation, x0 + int(i) % tile.width, y0 + int(i) / tile.width, heights[i]);
+  {
+    const Vec3f vertex = space.vertex(x0 + int(i) % tile.width, y0 + int(i) / tile.width, heights[i]);
+    tile.vertices[i] = vertex;
+    if (std::isfinite(vertex.z))
+      tile.moved = std::max(tile.moved, std::abs(vertex.z - heights[i]));
+  }
   return tile;
 }
 

@@ -7,6 +7,7 @@
 
 #include "elevation.h"
 #include "options.h"
+#include "terrain_space.h"
 #include "basics/vec.h"
 
 #include <vector>
@@ -17,12 +18,10 @@ struct TerrainTile
 {
   int width, height;           // in vertices
   std::vector<Vec3f> vertices; // by rows, plus one, because libraries may read 16 bytes per vertex
+  float moved = 0;             // largest distance of a stored height from the sample
 };
 
-/* Vertex of the sample in column x and row y. The x axis points east, y north: row 0 is the northern edge. */
-Vec3f vertexAt(const Options& options, const Elevation& elevation, int x, int y, float height);
-
 /* Starts at column x0 and row y0. Neighboring tiles share the vertices between them. */
-TerrainTile makeTile(const Options& options, Elevation& elevation, int x0, int y0);
+TerrainTile makeTile(const Options& options, Elevation& elevation, const TerrainSpace& space, int x0, int y0);
 
 } // namespace cbvh
