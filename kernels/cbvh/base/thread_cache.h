@@ -38,9 +38,8 @@ namespace embree
     }
 
     /*! 1 if a core's second-level cache has at least 1 MiB, otherwise 0. Decoded blocks must fit into it, or they would
-     *  evict the scene. Set before the first cache is made, and not by a constructor, because constructors of the
-     *  application's objects may trace rays before ours run. Must not be read before ThreadCache::ofThread(). */
-    extern size_t largeCaches;
+     *  evict the scene. */
+    extern const size_t largeCaches;
 
     /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Entries from size() on occupy no memory.
      *  numExtra: further entries, for users that access consecutive entries from an index on. */

@@ -19,15 +19,11 @@ namespace embree
   {
     std::atomic<unsigned> cacheGeneration(0);
 
-    size_t largeCaches = 0;
-
-    static void setLargeCaches ()
-    {
 #if defined(_SC_LEVEL2_CACHE_SIZE)
-      static const size_t once = largeCaches = sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024;
-      (void)once; // later callers wait until largeCaches is set
+    const size_t largeCaches = sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024;
+#else
+    const size_t largeCaches = 0;
 #endif
-    }
 
     /*! Bytes of a cache that a thread uses: half, unless largeCaches is 1. */
     template<typename Entries>
@@ -39,7 +35,6 @@ namespace embree
 
     size_t threadCacheBytes (unsigned caches)
     {
-      setLargeCaches();
       size_t bytes = 0;
       if (caches & vertCache) bytes += bytesOf<VertEntries>();
       if (caches & motionCache) bytes += bytesOf<MotionEntries>();
@@ -62,7 +57,6 @@ namespace embree
       // frees the thread's cache at the thread's end
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
-        setLargeCaches();
         static thread_local Owner owner;
         (void)owner; // only its destructor is needed
         void* memory = nullptr;
