@@ -13,7 +13,7 @@
 
 namespace cbvh::test {
 
-/* Runs the closure in a task of a group that no longer exists afterwards: reading its memory is a segmentation fault. */
+/* Runs the closure in a task of a group whose memory cannot be read afterwards. */
 template<typename Closure>
 void runInTemporaryGroup(const Closure& closure)
 {
