@@ -244,8 +244,8 @@ Cage globe(unsigned meridians)
   return cage;
 }
 
-/* Stock Embree leaves out the faces at vertices of more than 64. Near the poles, faces are so narrow that some ulps turn
- * their normals. */
+/* Stock Embree leaves out the faces at vertices of more than 64. Near the poles, faces are so narrow that some ulps
+ * turn their normals. */
 TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces)
 {
   Random random(10);
