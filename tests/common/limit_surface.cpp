@@ -244,17 +244,18 @@ Cage globe(unsigned meridians)
   return cage;
 }
 
-/* Stock Embree leaves out the faces at vertices of more than 64. */
+/* Stock Embree leaves out the faces at vertices of more than 64. Near the poles, faces are so narrow that some ulps
+ * turn their normals. */
 TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces)
 {
   Random random(10);
-  for (unsigned n : {65u, 72u, 128u})
-  {
-    expectEmbrees(moved(trapezohedron(n), random, 0.01), 0, random);
-    expectEmbrees(moved(globe(n), random, 0.01), 0, random);
-  }
-  /* faces are so narrow that a few ulps turn their normals */
-  EXPECT_LT(deviationFromEmbree(moved(globe(360), random, 0.01), 0, random).position, positionBound);
+  for (unsigned n : {65u, 72u, 128u, 360u})
+    for (const Cage& cage : {moved(trapezohedron(n), random, 0.01), moved(globe(n), random, 0.01)})
+    {
+      EXPECT_LT(deviationFromEmbree(cage, 0, random).position, positionBound) << cage.name << " of " << n;
+      if (n <= 128)
+        expectEmbrees(cage, 0.125, random);
+    }
 }
 
 TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
