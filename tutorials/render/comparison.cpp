@@ -102,6 +102,8 @@ private:
     writePicture(scene, hits);
     if (comparison.results.empty())
       makeRays(scene, hits);
+    if (seamWarning.empty())
+      printWarnings("cbvh_render", seamWarning = seamWarnings(model, scene.report().seams));
     Result result;
     result.representation = scene.representation();
     result.build = scene.report();
@@ -270,6 +272,7 @@ private:
   std::vector<float> gridAmbient;
   std::optional<TrueSurfaces> surfaces;
   std::vector<size_t> sample; // primary rays to compare with the true surface
+  std::string seamWarning;    // once for all representations
   Comparison comparison;
 };
 
