@@ -41,13 +41,15 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
  * empty for a static scene. */
 void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
                   const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
-                  std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
+                  std::vector<DisplacementContext>& contexts, SeamGaps* gaps,
+                  const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
   const SharedTopology topology(device, model.cage, poses);
   for (size_t i = 0; i < contexts.size(); i++)
   {
     setDisplacement(contexts[i], model, i, level, rates);
+    contexts[i].gaps = gaps;
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression, model.shapeOf(i)).get());
     throwIfCanceled();
   }
@@ -55,11 +57,11 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
 
 /* Builds GRID at the first time step, passes the vertices to `captures` (one per copy), and frees the scene. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
-                     const std::string& phase)
+                     const std::string& phase, SeamGaps* gaps)
 {
   EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
   const SceneHandle scene(rtcNewScene(device.handle()));
-  attachCopies(device, scene.get(), model, {}, settings.level, nullptr, captures);
+  attachCopies(device, scene.get(), model, {}, settings.level, nullptr, captures, gaps);
   commitScene(device, scene.get(), phase, model.layout(settings.level).numQuads(), captures);
 }
 
@@ -135,6 +137,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   else
     buildSubdivision(model, settings);
   built.quads = rates ? rates->quads : patches.numQuads();
+  built.seams = gaps.maximum();
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
@@ -160,7 +163,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 {
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
-  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts,
+  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts, &gaps,
                builtAs.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
@@ -253,7 +256,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
                                                   3 * sizeof(float), layout.numVertices()));
     device->check("allocating the vertices of NAIVE");
   }
-  captureVertices(model, settings, captures, name + ": tessellation");
+  captureVertices(model, settings, captures, name + ": tessellation", &gaps);
   for (const GeometryHandle& copy : copies)
     fillTriangles(copy.get(), layout, settings);
 
@@ -336,7 +339,7 @@ std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings)
     captures[i].layout = &layout;
     captures[i].captured = &vertices[i * layout.numVertices()].x;
   }
-  captureVertices(model, settings, captures, "tessellation");
+  captureVertices(model, settings, captures, "tessellation", nullptr);
   return vertices;
 }
 

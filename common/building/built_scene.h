@@ -74,6 +74,7 @@ struct BuildReport
   size_t peakBytes = 0;  // maximum during the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
+  SeamGap seams;         // closed by the displacement
   std::optional<VulkanSceneReport> onDevice; // set if a Vulkan device traces
 
   /* The thickness of leaves, or the movement of vertices plus the width of gaps between faces. */
@@ -131,6 +132,7 @@ private:
   std::shared_ptr<const EdgeRates> rates; // referenced by contexts
   size_t facesPerCopy, quadsPerCopy, numGeometries;
   std::vector<DisplacementContext> contexts;
+  SeamGaps gaps; // contexts refer to it
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;

@@ -106,6 +106,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads();
   const size_t left = report.geometries - report.found;
   report.quads = size_t(double(quads) * double(left) / double(report.geometries));
+  SeamGaps gaps;
   const auto start = std::chrono::steady_clock::now();
   {
     const std::string resumed = report.found ? ", resumed at geometry " + std::to_string(report.found) : "";
@@ -114,6 +115,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
     {
       DisplacementContext context;
       setDisplacement(context, model, i, settings.level, settings.rates.get());
+      context.gaps = &gaps;
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments, model.shapeOf(i));
       rtcAppendCompressedGeometry(writer.get(), geometry.get());
       device.check("saving");
@@ -125,6 +127,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.peakBytes = device.memory().peak();
+  report.seams = gaps.maximum();
   return report;
 }
 

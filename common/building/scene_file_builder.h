@@ -17,6 +17,7 @@ struct FileBuildReport
   double seconds = 0;               // without these
   size_t quads = 0;                 // without these
   size_t peakBytes = 0;             // maximum that the device held
+  SeamGap seams;                    // closed by the displacement, without these
 };
 
 /* `representation` must be compressed. Shows progress. After a cancellation or a crash, finished geometries remain

@@ -63,6 +63,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
     std::transform(args->u + begin, args->u + begin + n, u, snap);
     std::transform(args->v + begin, args->v + begin + n, v, snap);
     SurfacePoints points{args->primID, context.level, n, u, v};
+    points.gaps = context.gaps;
     if (context.rates)
     {
       for (size_t i = 0; i < n; i++)

@@ -7,6 +7,7 @@
 #include "building/edge_rates.h"
 #include "building/embree_device.h"
 #include "surface/model.h"
+#include "surface/seam_gaps.h"
 
 #include <embree3/rtcore_compression.h>
 
@@ -45,6 +46,7 @@ struct DisplacementContext
   float* captured = nullptr;
 
   TessellationProgress* progress = nullptr;
+  SeamGaps* gaps = nullptr; // receives the gaps that are closed at seams, if set
 };
 
 /* Sets the displacement of a copy. `rates` may be null, and otherwise replace the level. Model and rates must

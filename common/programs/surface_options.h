@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -31,6 +32,13 @@ inline Vec2f parseRepeat(const std::string& text)
   if (last.ec != std::errc() || last.ptr != end || !isPositive(repeat.x) || !isPositive(repeat.y))
     throw Error("invalid --height-repeat '" + text + "': expected one or two positive numbers, as in 3 or 3x2");
   return repeat;
+}
+
+/* Requires one of textureWrapNames(). */
+inline TextureWrap parseWrap(const std::string& name)
+{
+  const std::vector<std::string>& names = textureWrapNames();
+  return TextureWrap(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)
@@ -57,6 +65,12 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
        "copies of the map per unit of texture coordinates, or per face; N, or columns x rows [1]")
     ->type_name("N|NxM");
   app.add_option_function<std::string>(
+       "--height-wrap", [&settings](const std::string& name) { settings.wrap = parseWrap(name); },
+       "heights outside of the image: of the nearest texel (clamp), of copies of the image (repeat), or 0 (black) "
+       "[repeat; clamp for UDIM tiles, and per face]")
+    ->type_name("WRAP")
+    ->check(CLI::IsMember(textureWrapNames()));
+  app.add_option_function<std::string>(
        "--vectors",
        [&settings](const std::string& axes) {
          settings.mapValues = axes == "object" ? MapValues::ObjectVectors : MapValues::TangentVectors;
@@ -81,7 +95,8 @@ inline void rejectModelOptions(const CLI::App& app, const std::string& path)
 {
   for (const char* name :
        {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height",
-        "--amplitude", "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--compare",
+        "--amplitude", "--height-scale", "--mid-level", "--channel", "--height-repeat", "--height-wrap",
+        "--vectors", "--compare",
         "--details", "--rough", "--mapping", "--count", "--cage-end", "--motion", "--steps", "--map-folder"})
   {
     const CLI::Option* const option = app.get_option_no_throw(name);

@@ -5,9 +5,12 @@
 
 /* Warnings about models and representations, one per line. */
 
+#include "basics/text.h"
 #include "building/representation.h"
 #include "surface/model.h"
+#include "surface/seam_gaps.h"
 
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 #include <string>
@@ -40,6 +43,17 @@ inline std::string motionWarnings(const Model& model, const std::vector<Represen
       lines += line;
   }
   return lines;
+}
+
+/* Empty unless a gap exceeds a quad. */
+inline std::string seamWarnings(const Model& model, const SeamGap& seams)
+{
+  if (!(seams.quads > 1.0f))
+    return "";
+  return model.name + ": the displacements of neighboring faces differ by up to " + shortNumber(seams.distance) +
+         " where they meet, which is " + shortNumber(std::round(10.0f * seams.quads) / 10.0f) + " quads at face " +
+         std::to_string(seams.face) +
+         " (from 0); the surface uses their mean: expected a map that agrees at seams within less than a quad\n";
 }
 
 inline void printWarnings(const std::string& program, const std::string& warnings)

@@ -36,6 +36,7 @@ DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
   map.midLevel = settings.midLevel;
   map.channel = settings.channel;
   map.repeat = settings.repeat;
+  map.wrap = settings.wrap;
   map.scale = settings.mapScale ? *settings.mapScale : *settings.amplitude * cage.bounds().diagonal();
   return map;
 }
@@ -155,6 +156,7 @@ void validateMap(const SceneSettings& s)
                                                      {settingName("mid-level"), s.midLevel.has_value()},
                                                      {settingName("channel"), !s.channel.empty()},
                                                      {settingName("height-repeat"), isRepeated},
+                                                     {settingName("height-wrap"), s.wrap.has_value()},
                                                      {settingName("vectors"), s.mapValues != MapValues::Heights}};
   for (const auto& [option, isSet] : mapOptions)
     if (isSet && s.heightPath.empty())

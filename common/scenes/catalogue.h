@@ -20,9 +20,10 @@ struct SceneSettings
   std::string up;         // one of upAxes(); empty or "auto": guessed
   std::string heightPath; // empty: not displaced
   MapValues mapValues = MapValues::Heights;
-  std::optional<float> midLevel; // this and the next two as in DisplacementMap
+  std::optional<float> midLevel; // this and the next three as in DisplacementMap
   std::string channel;
   Vec2f repeat{1, 1};
+  std::optional<TextureWrap> wrap;
   std::optional<float> mapScale;  // world units per unit of the map's values; excludes `amplitude`
   std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal; default: the scene's
   bool rough = false;             // trex and herd: five times the amplitude

@@ -4,8 +4,11 @@
 #include "surface/displacement.h"
 #include "basics/progress.h"
 #include "surface/mapped_texture.h"
+#include "surface/seam_gaps.h"
 #include "surface/vector_displacement.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace cbvh {
@@ -28,7 +31,18 @@ public:
       float h = height(p, points.levelAt(i));
       const FaceBorders::BorderPosition at = borders.borderPosition(p);
       if (at.edge >= 0 && texture->isSeam(p.face, at))
-        h = borders.mean(p.face, at, h, [&](const FacePoint& q) { return height(q, points.levelAt(i)); });
+      {
+        float least = h, most = h;
+        h = borders.mean(p.face, at, h, [&](const FacePoint& q) {
+          const float side = height(q, points.levelAt(i));
+          least = std::min(least, side);
+          most = std::max(most, side);
+          return side;
+        });
+        if (points.gaps)
+          points.gaps->add(std::abs(scale) * (most - least),
+                           texture->edgeLength(p.face, at) * std::exp2(-points.levelAt(i)), p.face);
+      }
       out[i] = scale * (h - midLevel);
     }
   }

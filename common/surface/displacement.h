@@ -7,9 +7,10 @@
  * representations have the same surface. Maps are filtered to the spacing of the level's vertices.
  *
  * Closed surfaces stay closed: faces that read different values at a border, such as a seam of an atlas, use their
- * mean. */
+ * mean. A face reads no texels beyond the seams of its chart, see chart_filter.h. */
 
 #include "surface/cage.h"
+#include "surface/texture_wrap.h"
 
 #include <cstddef>
 #include <memory>
@@ -17,6 +18,8 @@
 #include <string>
 
 namespace cbvh {
+
+class SeamGaps;
 
 struct SurfacePoints
 {
@@ -26,6 +29,7 @@ struct SurfacePoints
   const float* u;    // n values
   const float* v;    // n values
   const float* levels = nullptr; // n fractional levels in [0,finestLevel], replace `level` if set
+  SeamGaps* gaps = nullptr;      // receives the gaps that are closed, if set
 
   float levelAt(size_t i) const { return levels ? levels[i] : float(level); }
 };
@@ -68,6 +72,7 @@ struct DisplacementMap
   MapValues values = MapValues::Heights;
   std::optional<float> midLevel; // value that moves nothing; default: neutralHeight for heights, 0 for vectors
   std::string channel;           // first one, by name or number from 0; empty: the file's first
+  std::optional<TextureWrap> wrap; // default: Repeat, but Clamp for tiles, and on faces unless repeated
   Vec2f repeat{1, 1};            // copies of the map per unit of texture coordinates, or per face
 };
 
@@ -75,10 +80,10 @@ float midLevelOf(const DisplacementMap& map);
 
 /* Reads a map through the cage's texture coordinates, or on faces if it has none.
  *
- * Texture coordinates are as in OBJ: (0,0) is the lower left corner of the image, (1,1) the upper right; the image
- * repeats outside. They are interpolated bilinearly over a face (over each corner quad of an n-gon) and not
- * subdivided: on an edge they depend on the edge alone. If the path contains <UDIM>, a face reads the tile at its
- * center, 1001 + column + 10 row, and is not displaced if that file does not exist.
+ * Texture coordinates are as in OBJ: (0,0) is the lower left corner of the image, (1,1) the upper right; `wrap` states
+ * how the image continues outside. They are interpolated bilinearly over a face (over each corner quad of an n-gon)
+ * and not subdivided: on an edge they depend on the edge alone. If the path contains <UDIM>, a face reads the tile at
+ * its center, 1001 + column + 10 row, and is not displaced if that file does not exist.
  *
  * On faces, row 0 of the image is at v = 0. A file with one image covers every face and every corner quad of an
  * n-gon. A file with several images, such as Ptex, has one image per quad and n per n-gon, in order.

@@ -79,6 +79,16 @@ private:
   std::array<Slot, 256> slots; // threads that use states at the same time; more threads wait
 };
 
+OIIO::TextureOpt::Wrap wrapOf(TextureWrap wrap)
+{
+  switch (wrap)
+  {
+  case TextureWrap::Repeat: return OIIO::TextureOpt::WrapPeriodic;
+  case TextureWrap::Black: return OIIO::TextureOpt::WrapBlack;
+  default: return OIIO::TextureOpt::WrapClamp;
+  }
+}
+
 } // namespace
 
 struct HeightTexture::Implementation
@@ -88,7 +98,6 @@ struct HeightTexture::Implementation
   mutable ThreadStates states;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
-  int channels = 1;
   int channelsOfFile = 1;
   int smallestTile = tileSize; // edge
 
@@ -143,6 +152,21 @@ struct HeightTexture::Implementation
     return isRead;
   }
 
+  /* Texels within the image. */
+  void readTexels(unsigned image, int column, int row, int count, int channels, float* values) const
+  {
+    OIIO::TextureOpt opt = options;
+    opt.subimage = images[image].subimage;
+    const int first = images[image].firstChannel;
+    bool isRead = false;
+    states.use(&*system, [&](auto* state) {
+      isRead = system->get_texels(images[image].handle, state, opt, 0, column, column + count, row, row + 1, 0, 1,
+                                  first, first + channels, OIIO::TypeDesc::FLOAT, values);
+    });
+    if (!isRead)
+      throw unreadable(image);
+  }
+
   Vec2f size(unsigned image) const
   {
     int size[2] = {0, 0};
@@ -159,7 +183,7 @@ struct HeightTexture::Implementation
 
 HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                              std::string& warnings)
-  : implementation(std::make_unique<Implementation>())
+  : implementation(std::make_unique<Implementation>()), channels(channels.count), wrap(wrap)
 {
   /* Private, so that the cache is freed. Mip levels are rounded to the file's type, because "forcefloat" fails an
    * assertion in OpenImageIO 2.4.7. */
@@ -183,12 +207,12 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
                   " no value and " + (info.missing == 1 ? "displaces" : "displace") + " nothing\n";
   }
   images = unsigned(implementation->images.size());
-  implementation->channels = channels.count;
+  for (unsigned image = 0; image < images; image++)
+    sizes.push_back(implementation->size(image));
   OIIO::TextureOpt& options = implementation->options;
-  options.swrap = options.twrap =
-    wrap == TextureWrap::Repeat ? OIIO::TextureOpt::WrapPeriodic : OIIO::TextureOpt::WrapClamp;
+  options.swrap = options.twrap = wrapOf(wrap);
   options.mipmode = OIIO::TextureOpt::MipModeTrilinear;
-  options.interpmode = OIIO::TextureOpt::InterpSmartBicubic;
+  options.interpmode = OIIO::TextureOpt::InterpBilinear; // as chart_filter.cpp
   fillCache();
 }
 
@@ -199,7 +223,7 @@ void HeightTexture::fillCache() const
   const int tile = implementation->smallestTile;
   for (unsigned image = 0; image < images; image++)
   {
-    const Vec2f texels = implementation->size(image);
+    const Vec2f texels = size(image);
     for (int w = int(texels.x), h = int(texels.y); w > 0 && h > 0; w /= 2, h /= 2)
       for (int y = 0; y < h; y += tile)
       {
@@ -207,7 +231,7 @@ void HeightTexture::fillCache() const
         for (int x = 0; x < w; x += tile)
           if (!implementation->lookUp(image, implementation->images[image].firstChannel, (float(x) + 0.5f) / float(w),
                                       (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
-                                      implementation->channels, values))
+                                      channels, values))
             throw implementation->unreadable(image);
       }
   }
@@ -215,9 +239,27 @@ void HeightTexture::fillCache() const
 
 HeightTexture::~HeightTexture() = default;
 
-Vec2f HeightTexture::size(unsigned image) const
+void HeightTexture::texels(unsigned image, int column, int row, int count, float* values) const
 {
-  return implementation->size(image);
+  const int width = int(size(image).x), height = int(size(image).y);
+  const auto wrapped = [&](int i, int n) { // -1 for black
+    if (i >= 0 && i < n)
+      return i;
+    return wrap == TextureWrap::Repeat ? (i % n + n) % n : wrap == TextureWrap::Clamp ? std::clamp(i, 0, n - 1) : -1;
+  };
+  const int y = wrapped(row, height);
+  for (int done = 0; done < count;)
+  {
+    const int x = wrapped(column + done, width);
+    const bool isInside = x >= 0 && (x == column + done || wrap == TextureWrap::Repeat);
+    const int run = isInside ? std::min(count - done, width - x) : 1;
+    if (x < 0 || y < 0)
+      std::fill_n(values, run * channels, 0.0f);
+    else
+      implementation->readTexels(image, x, y, run, channels, values);
+    values += run * channels;
+    done += run;
+  }
 }
 
 bool HeightTexture::looksLikeNormals() const
@@ -242,8 +284,8 @@ bool HeightTexture::looksLikeNormals() const
 
 void HeightTexture::sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const
 {
-  if (!implementation->lookUp(image, implementation->images[image].firstChannel, s, t, widthS, widthT,
-                              implementation->channels, values))
+  if (!implementation->lookUp(image, implementation->images[image].firstChannel, s, t, widthS, widthT, channels,
+                              values))
     implementation->system->geterror(); // the file changed after the constructor read it; errors would accumulate
 }
 

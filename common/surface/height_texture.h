@@ -6,14 +6,13 @@
 /* OpenImageIO's texture system, which loads tiles on demand and chooses mip levels by filter width. */
 
 #include "basics/vec.h"
+#include "surface/texture_wrap.h"
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace cbvh {
-
-enum class TextureWrap { Repeat, Clamp };
 
 struct TextureChannels
 {
@@ -38,7 +37,13 @@ public:
   unsigned numImages() const { return images; }
 
   /* Texels along s and t. */
-  Vec2f size(unsigned image) const;
+  Vec2f size(unsigned image) const { return sizes[image]; }
+
+  int numChannels() const { return channels; }
+
+  /* Writes the channels of `count` texels of a row to `values`. Columns and rows outside of the image are wrapped.
+   * Thread-safe. Throws Error. */
+  void texels(unsigned image, int column, int row, int count, float* values) const;
 
   /* True if the first image has one value along its border. */
   bool hasConstantBorder() const { return constantBorder; }
@@ -46,7 +51,7 @@ public:
   /* True if the first image's colors are unit vectors, mostly along blue. */
   bool looksLikeNormals() const;
 
-  /* Writes the channels at (s,t) to `values`: trilinear between mip levels, bicubic if texels are wider than the
+  /* Writes the channels at (s,t) to `values`: trilinear between mip levels, bilinear if texels are wider than the
    * filter. (0,0) is the image's upper left corner, (1,1) the lower right; widths are fractions of the image. A pure
    * function while the files do not change; NaN if they became unreadable. Thread-safe. */
   void sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const;
@@ -57,6 +62,9 @@ private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation;
   unsigned images = 0;
+  std::vector<Vec2f> sizes; // per image
+  int channels = 1;
+  TextureWrap wrap;
   bool constantBorder = false;
 };
 

@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "surface/udim_tiles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -49,16 +50,15 @@ class UVMappedTexture : public MappedTexture
 public:
   UVMappedTexture(const Cage& cage, const DisplacementMap& map, std::string& warnings)
     : MappedTexture(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
-      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat, warnings),
-      corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
+      wrap(map.wrap.value_or(tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat)),
+      texture(tiles.paths, channelsOf(map), wrap, warnings), corners(findCoordinates(cage, map.repeat)),
+      charts(cage, faceBorders, coordinates(), tiles, wrap == TextureWrap::Repeat), filter(texture, charts)
   {
     warnOfNormals(texture, map, warnings);
     if (!tiles.isUdim() && texture.numImages() > 1)
       warn(warnings, map.path + " has " + std::to_string(texture.numImages()) + " images, but " + cage.name +
                        " has texture coordinates: only the first one is read; expected one image, or the option " +
                        "for the channel as PART.CHANNEL for a part of an OpenEXR file");
-    findCoordinates(cage, map.repeat);
-    findSeams(cage);
   }
 
   void sample(const FacePoint& p, float level, float* values) const override
@@ -69,7 +69,7 @@ public:
     const Coordinate at = interpolate(&corners[faceBorders.corner(p.face, 0)], faceBorders.size(p.face), p);
     const Vec2f uv = at.uv - tiles.originOf(p.face);
     const float h = spacing(level);
-    texture.sample(unsigned(image), uv.x, 1.0f - uv.y, h * at.width.x, h * at.width.y, values);
+    filter.sample(unsigned(image), charts.chartOf(p.face), {uv.x, 1.0f - uv.y}, at.width * h, values);
   }
 
   float texelsAlongEdge(unsigned face, unsigned edge) const override
@@ -87,14 +87,14 @@ public:
   {
     const unsigned edge = unsigned(at.edge);
     if (at.t == 0.0f)
-      return cornerDiffers[faceBorders.corner(face, edge)];
+      return charts.cornerDiffers(faceBorders.corner(face, edge));
     if (at.t == 1.0f)
-      return cornerDiffers[faceBorders.corner(face, (edge + 1) % faceBorders.size(face))];
-    return edgeDiffers[faceBorders.corner(face, edge)];
+      return charts.cornerDiffers(faceBorders.corner(face, (edge + 1) % faceBorders.size(face)));
+    return charts.edgeDiffers(faceBorders.corner(face, edge));
   }
 
 private:
-  void findCoordinates(const Cage& cage, Vec2f repeat)
+  std::vector<Coordinate> findCoordinates(const Cage& cage, Vec2f repeat) const
   {
     struct Sum
     {
@@ -121,45 +121,29 @@ private:
         sum.width = sum.width + width;
         sum.count++;
       }
-    for (size_t c = 0; c < corners.size(); c++)
+    std::vector<Coordinate> found;
+    for (size_t c = 0; c < cage.faceIndices.size(); c++)
     {
       const Sum& sum = sums[key(c)];
-      corners[c] = {uvAt(c), sum.width * (1.0f / sum.count)};
+      found.push_back({uvAt(c), sum.width * (1.0f / sum.count)});
     }
+    return found;
   }
 
-  /* At seams the sides have different coordinates or tiles. One comparison per side, as vertices may have many. */
-  void findSeams(const Cage& cage)
+  std::vector<Vec2f> coordinates() const
   {
-    const auto same = [&](unsigned faceA, size_t a, unsigned faceB, size_t b) {
-      return corners[a].uv.x == corners[b].uv.x && corners[a].uv.y == corners[b].uv.y &&
-             tiles.imageOf(faceA) == tiles.imageOf(faceB);
-    };
-    for (unsigned face = 0; faceBorders.numFaces() > face; face++)
-      for (unsigned i = 0, n = faceBorders.size(face); i < n; i++)
-      {
-        const size_t c = faceBorders.corner(face, i);
-        const std::vector<FaceBorders::Side>& atVertex = faceBorders.cornersAtVertex(face, i);
-        const FaceBorders::Side& some = atVertex.front();
-        if (!cornerDiffers[c] && !same(face, c, some.face, faceBorders.corner(some.face, some.edge)))
-          for (const FaceBorders::Side& s : atVertex)
-            cornerDiffers[faceBorders.corner(s.face, s.edge)] = 1;
-        for (const FaceBorders::Side& s : faceBorders.sidesOfEdge(face, i))
-        {
-          size_t first = faceBorders.corner(s.face, s.edge);
-          size_t last = faceBorders.corner(s.face, (s.edge + 1) % faceBorders.size(s.face));
-          if (cage.faceIndices[first] != cage.faceIndices[c])
-            std::swap(first, last); // reversed
-          const size_t end = faceBorders.corner(face, (i + 1) % n);
-          edgeDiffers[c] |= !same(face, c, s.face, first) || !same(face, end, s.face, last);
-        }
-      }
+    std::vector<Vec2f> uvs;
+    for (const Coordinate& c : corners)
+      uvs.push_back(c.uv);
+    return uvs;
   }
 
   UdimTiles tiles;
+  TextureWrap wrap;
   HeightTexture texture;
   std::vector<Coordinate> corners;
-  std::vector<char> edgeDiffers, cornerDiffers;
+  TextureCharts charts;
+  ChartFilter filter;
 };
 
 class FaceMappedTexture : public MappedTexture
@@ -167,7 +151,8 @@ class FaceMappedTexture : public MappedTexture
 public:
   FaceMappedTexture(const Cage& cage, const DisplacementMap& map, std::string& warnings)
     : MappedTexture(cage),
-      texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp, warnings),
+      texture({map.path}, channelsOf(map),
+              map.wrap.value_or(isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp), warnings),
       repeat(map.repeat)
   {
     warnOfNormals(texture, map, warnings);
@@ -228,6 +213,26 @@ void requireAllUVs(const Cage& cage, const DisplacementMap& map)
 }
 
 } // namespace
+
+MappedTexture::MappedTexture(const Cage& cage) : faceBorders(cage)
+{
+  for (unsigned face = 0; face < faceBorders.numFaces(); face++)
+    for (unsigned i = 0, n = faceBorders.size(face); i < n; i++)
+      edgeLengths.push_back(length(cage.positions[cage.faceIndices[faceBorders.corner(face, (i + 1) % n)]] -
+                                   cage.positions[cage.faceIndices[faceBorders.corner(face, i)]]));
+}
+
+float MappedTexture::edgeLength(unsigned face, FaceBorders::BorderPosition at) const
+{
+  const unsigned edge = unsigned(at.edge), n = faceBorders.size(face);
+  if (at.t != 0.0f && at.t != 1.0f)
+    return edgeLengths[faceBorders.corner(face, edge)];
+  float longest = 0;
+  for (const FaceBorders::Side& s : faceBorders.cornersAtVertex(face, at.t == 0.0f ? edge : (edge + 1) % n))
+    for (unsigned i : {s.edge, (s.edge + faceBorders.size(s.face) - 1) % faceBorders.size(s.face)})
+      longest = std::max(longest, edgeLengths[faceBorders.corner(s.face, i)]);
+  return longest;
+}
 
 std::unique_ptr<MappedTexture> MappedTexture::create(const Cage& cage, const DisplacementMap& map,
                                                      std::string& warnings)

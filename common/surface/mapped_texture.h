@@ -4,14 +4,16 @@
 #pragma once
 
 /* A displacement map and its mapping to the faces of a cage, by texture coordinates or per face. At a seam, each face
- * samples its own side of the map. */
+ * samples its own side of the map, and reads no texels of other charts. */
 
+#include "surface/chart_filter.h"
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
 #include "surface/height_texture.h"
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
@@ -35,10 +37,16 @@ public:
 
   const FaceBorders& borders() const { return faceBorders; }
 
+  /* Length of the cage's edge at a point of a border; of the longest one at a vertex. */
+  float edgeLength(unsigned face, FaceBorders::BorderPosition at) const;
+
 protected:
-  explicit MappedTexture(const Cage& cage) : faceBorders(cage) {}
+  explicit MappedTexture(const Cage& cage);
 
   FaceBorders faceBorders;
+
+private:
+  std::vector<float> edgeLengths; // from each corner to the next
 };
 
 template<typename T>

@@ -7,7 +7,9 @@
 
 #include "surface/vector_displacement.h"
 #include "basics/error.h"
+#include "surface/seam_gaps.h"
 
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <tuple>
@@ -87,8 +89,17 @@ public:
       const auto vectorAt = [&](const FacePoint& q) { return vector(q, points.levelAt(i), normals[i]); };
       out[i] = vectorAt(p);
       const FaceBorders::BorderPosition at = borders.borderPosition(p);
-      if (at.edge >= 0)
-        out[i] = borders.mean(p.face, at, out[i], vectorAt);
+      if (at.edge < 0)
+        continue;
+      Box3f sides;
+      sides.extend(out[i]);
+      out[i] = borders.mean(p.face, at, out[i], [&](const FacePoint& q) {
+        const Vec3f side = vectorAt(q);
+        sides.extend(side);
+        return side;
+      });
+      if (points.gaps && texture->isSeam(p.face, at))
+        points.gaps->add(sides.diagonal(), texture->edgeLength(p.face, at) * std::exp2(-points.levelAt(i)), p.face);
     }
   }
 

@@ -86,6 +86,9 @@ refuses "level auto .*naive-compact" --scene cube --level auto --representation 
 refuses "max-pixel-error nan: .*finite.* 0" --scene cube --max-pixel-error nan
 
 refuses "height-repeat 'many'.*3x2" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
+refuses "height-wrap.* mirror .*clamp.*repeat.*black" --cage "$folder/quad.obj" --height "$folder/text.png" \
+  --height-wrap mirror
+refuses "height-wrap .*--height" --cage "$folder/quad.obj" --height-wrap clamp
 refuses "mid-level .*--height" --cage "$folder/quad.obj" --mid-level 0.2
 refuses "vectors.* world .*object.*tangent" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
 refuses "amplitude .*--height-scale " --cage "$folder/quad.obj" --height "$folder/text.png" \

@@ -97,11 +97,12 @@ class Heights(unittest.TestCase):
     def test_invalid_arguments_are_reported_by_name(self):
         nan = np.zeros((4, 4))
         nan[2, 1] = np.inf
-        for error, text, arguments in (
+        for error, text, arguments, *options in (
                 (ValueError, r"height: .*\(4,\).*\(rows, columns\)", (np.zeros(4),)),
                 (ValueError, r"height: .*\(0, 4\)", (np.zeros((0, 4)),)),
                 (ValueError, "height: row 2, column 1 .*finite", (nan,)),
                 (ValueError, "height: .*masked", (np.ma.masked_equal(np.eye(4), 0),)),
+                (ValueError, "wrap: .*mirror.*clamp.*repeat.*black", (np.eye(4),), {"wrap": "mirror"}),
                 (TypeError, "height: .*complex128", (np.zeros((4, 4), complex),)),
                 (ValueError, "^amplitude: .*height", (None, 1.0)),
                 (ValueError, "amplitude: .*finite", (np.zeros((4, 4)), np.nan)),
@@ -109,9 +110,54 @@ class Heights(unittest.TestCase):
                 (cbvh.Error, r"^amplitude -1e\+18 .*large.*e\+16 ", (np.zeros((4, 4)), -1e18)),
                 (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
             with self.subTest(text), self.assertRaisesRegex(error, text):
-                cbvh.Model(sheet(), *arguments)
+                cbvh.Model(sheet(), *arguments, **(options[0] if options else {}))
         with self.assertRaisesRegex(cbvh.Error, r"^mid_level 1e\+38 .*large.*e\+19 "):
             cbvh.Model(sheet(), np.zeros((4, 4)), mid_level=1e38)
+
+    def test_maps_continue_as_wrap_says(self):
+        vertices, faces = sheet_arrays()
+        cage = cbvh.Cage(vertices, faces, uvs=vertices[:, :2] + (1, 0), name="next to the image")
+        heights = np.tile(np.linspace(0.2, 1, 64), (64, 1))
+        x = rays_from_above()[0][..., 0]
+        for wrap, expected in (("repeat", 0.2 + 0.8 * x), ("clamp", 1), ("black", 0)):
+            t = depths(cbvh.Model(cage, heights, amplitude=0.2, wrap=wrap))
+            np.testing.assert_allclose(t, 1 - 0.2 * DIAGONAL * (expected - 0.5), atol=4e-3)
+
+
+class Seams(unittest.TestCase):
+    """A cube, each of its faces in its own sixth of the map."""
+
+    def setUp(self):
+        corners = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
+        faces = [(1, 3, 7, 5), (0, 4, 6, 2), (2, 6, 7, 3), (0, 1, 5, 4), (4, 5, 7, 6), (0, 2, 3, 1)]
+        square = np.array([(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)])
+        uvs = np.concatenate([(square + (i % 3, i // 3)) / (3, 2) for i in range(6)])
+        self.cage = cbvh.Cage(corners, faces, uvs=uvs, uv_indices=np.arange(24), name="box")
+
+    def heights(self, of_charts, outside):
+        """A map of 96 x 96 texels; texels whose center is outside of all charts have the height `outside`."""
+        row, column = (np.mgrid[0:96, 0:96] + 0.5) / 96
+        s, t = 3 * column, 2 * (1 - row)
+        inside = (np.abs(s % 1 - 0.5) <= 0.4) & (np.abs(t % 1 - 0.5) <= 0.4)
+        return np.where(inside, np.asarray(of_charts)[(s // 1 + 3 * (t // 1)).astype(int)], outside)
+
+    def test_heights_outside_of_charts_do_not_matter(self):
+        expected = cbvh.Model(self.cage, np.full((4, 4), 0.75), amplitude=0.1).tessellate(4)[0]
+        for outside in (0, 10):
+            model = cbvh.Model(self.cage, self.heights([0.75] * 6, outside), amplitude=0.1)
+            np.testing.assert_allclose(model.tessellate(4)[0], expected, atol=1e-5)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                statistics = cbvh.build(model, "cvert", 4).statistics()
+            self.assertLess(statistics["seam_gap"], 1e-5)
+
+    def test_charts_that_disagree_cause_a_warning(self):
+        model = cbvh.Model(self.cage, self.heights([0.25, 0.75, 0.5, 0.5, 0.5, 0.5], 0), amplitude=0.1)
+        with self.assertWarnsRegex(UserWarning, r"^box: .* quads at face \d.*seams"):
+            scene = cbvh.build(model, "cvert", 5)
+        diagonal = 2 * np.sqrt(3)
+        self.assertAlmostEqual(scene.statistics()["seam_gap"], 0.25 * 0.1 * diagonal, 5)
+        self.assertGreater(scene.statistics()["seam_gap_quads"], 0.25 * 0.1 * diagonal / (2 / 32) - 1e-3)
 
 
 class Scenes(unittest.TestCase):

@@ -88,6 +88,7 @@ int run(int argc, char** argv)
   printWarnings("cbvh_pathtracer", motionWarnings(model, {options->representation}));
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
+  printWarnings("cbvh_pathtracer", seamWarnings(model, scene.report().seams));
   const std::unique_ptr<PathTracer> tracer =
     makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces, options->shutter));
   if (options->window)

@@ -163,7 +163,8 @@ std::vector<std::vector<Vec3f>> readPoses(const py::object& poses, size_t numVer
 
 std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std::optional<float> amplitude,
                                  std::optional<float> midLevel, const std::string& channel, const py::object& repeat,
-                                 const std::string& values, const py::object& poses)
+                                 const std::string& values, const py::object& poses,
+                                 const std::optional<std::string>& wrap)
 {
   auto model = std::make_shared<Model>();
   model->name = cage.name;
@@ -180,6 +181,8 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   map.midLevel = midLevel;
   map.channel = channel;
   map.repeat = readRepeat(repeat);
+  if (wrap)
+    map.wrap = TextureWrap(choice(*wrap, "wrap", textureWrapNames()));
   const float diagonal = cage.bounds().diagonal();
   if (!amplitude && map.values == MapValues::Heights)
     amplitude = defaultAmplitude;
@@ -278,6 +281,8 @@ amplitude: displacement between heights 0 and 1 as a fraction of the diagonal of
 mid_level: height that moves nothing; default 0.5, 0 for vectors.
 channel: channel of a file, by name or number from 0; default the first. For vectors, the first of three channels.
 repeat: copies of the map per unit of texture coordinates; one number, or one each for u and v.
+wrap: heights outside of the image: "clamp", of the nearest texel; "repeat", of copies of the image; "black", 0. The
+  default is "repeat", but "clamp" for tiles and for a map on every face that is not repeated.
 values: contents of a file: "heights"; "object", vectors along the cage's axes; "tangent", vectors along the texture's
   u, the normal, and the texture's v.
 poses: (steps, vertices, 3), for a surface that moves: positions of the cage's vertices at later times, at equal
@@ -317,7 +322,8 @@ void defineModel(py::module_& module)
   py::class_<Model, std::shared_ptr<Model>>(module, "Model", modelText)
     .def(py::init(&makeModel), py::arg("cage"), py::arg("height") = py::none(), py::arg("amplitude") = py::none(),
          py::kw_only(), py::arg("mid_level") = py::none(), py::arg("channel") = "", py::arg("repeat") = 1,
-         py::arg("values") = "heights", py::arg("poses") = py::none(), makeText)
+         py::arg("values") = "heights", py::arg("poses") = py::none(),
+         py::arg("wrap") = py::none(), makeText)
     .def_static("generate", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
                 py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(),
                 py::arg("motion") = "", py::arg("steps") = py::none(),

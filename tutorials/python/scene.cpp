@@ -6,6 +6,7 @@
 #include "hits.h"
 #include "interruptible.h"
 #include "json_objects.h"
+#include "warning.h"
 
 #include "basics/parallel.h"
 #include "building/built_scene.h"
@@ -16,6 +17,7 @@
 #include "programs/compression_json.h"
 #include "programs/errors_json.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "tracing/ray_conversion.h"
 #include "tracing/trace_hits.h"
 #include "tracing/trace_timing.h"
@@ -130,7 +132,9 @@ std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::str
   settings.device = device;
   validateBuild(settings);
   requireMemory(*model, representation, level);
-  return interruptible(progress, [&] { return std::make_shared<Scene>(model, representation, settings); });
+  auto scene = interruptible(progress, [&] { return std::make_shared<Scene>(model, representation, settings); });
+  warn(seamWarnings(*model, scene->built.report().seams));
+  return scene;
 }
 
 /* --- tracing ------------------------------------------------------------------- */
@@ -257,7 +261,9 @@ py::object statistics(const Scene& scene)
                            {"live_bytes", report.liveBytes},
                            {"peak_bytes", report.peakBytes},
                            {"build_seconds", report.seconds},
-                           {"distance_from_mesh", report.distanceFromMesh()}};
+                           {"distance_from_mesh", report.distanceFromMesh()},
+                           {"seam_gap", report.seams.distance},
+                           {"seam_gap_quads", report.seams.quads}};
   if (scene.built.representation().isCompressed())
     j["compression"] = compressionJson(report.compression);
   return objectOf(j);
@@ -420,8 +426,9 @@ constexpr const char* statisticsText = R"(Returns statistics of the build as a d
 
 Keys: representation, level, quads, bytes_per_quad, live_bytes (held after the build, including the cage), peak_bytes
 (held during the build), build_seconds, distance_from_mesh (world units: a bound on the distance of hits from the mesh
-of this level), and for compressed scenes compression, a dict of bytes and counts. Names are those of `cbvh_render
---json`.)";
+of this level), seam_gap and seam_gap_quads (the largest distance between the two sides of a seam of texture
+coordinates before their mean closed it, in units of the cage and in quads), and for compressed scenes compression, a
+dict of bytes and counts. Names are those of `cbvh_render --json`.)";
 
 constexpr const char* trianglesText = R"(Returns the stored triangle of each hit, (..., 3, 3) float32.
 

@@ -106,6 +106,8 @@ private:
     writePicture(scene, hits);
     if (comparison.results.empty())
       makeRays(scene, hits);
+    if (seamWarning.empty())
+      printWarnings("cbvh_render", seamWarning = seamWarnings(model, scene.report().seams));
     Result result;
     result.representation = scene.representation();
     result.build = scene.report();
@@ -277,6 +279,7 @@ private:
   std::vector<float> gridAmbient;
   std::optional<TrueSurfaces> surfaces;
   std::vector<size_t> sample; // primary rays to compare with the true surface
+  std::string seamWarning;    // once for all representations
   Comparison comparison;
 };
 

@@ -190,6 +190,14 @@ void addMemory(Table& table, const Comparison& c)
   table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
 }
 
+void addSeams(Table& table)
+{
+  table.row("largest gap closed at seams, world units", [](const Result& r) {
+    return scientific(r.build.seams.distance);
+  });
+  table.row("- quads", [](const Result& r) { return number(r.build.seams.quads, 3); });
+}
+
 void addSpeed(Table& table, const Comparison& c)
 {
   const auto naive = std::find_if(c.results.begin(), c.results.end(), [](const Result& r) {
@@ -259,6 +267,9 @@ void addTrueErrors(Table& table)
 void addDetails(Table& table, const Comparison& c)
 {
   addMemory(table, c);
+  const auto hasSeams = [](const Result& r) { return r.build.seams.distance > 0.0f; };
+  if (std::any_of(c.results.begin(), c.results.end(), hasSeams))
+    addSeams(table);
   if (c.speed)
     addSpeed(table, c);
   if (hasMeshErrors(c))

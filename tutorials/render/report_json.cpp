@@ -21,6 +21,8 @@ json resultJson(const Result& r, bool compared, bool speed)
   j["live_bytes"] = r.build.liveBytes;
   j["peak_bytes"] = r.build.peakBytes;
   j["build_seconds"] = r.build.seconds;
+  j["seam_gap"] = r.build.seams.distance;
+  j["seam_gap_quads"] = r.build.seams.quads;
   if (r.build.onDevice)
     j["on_device"] = {{"upload_seconds", r.build.onDevice->uploadSeconds},
                       {"device_bytes", r.build.onDevice->deviceBytes},

@@ -14,6 +14,7 @@
 #include "pictures/sampled_picture.h"
 #include "programs/json_text.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "tracing/camera.h"
 #include "tracing/ray_conversion.h"
 #include "tracing/ray_sets.h"
@@ -136,6 +137,7 @@ void renderSavedScene(const Options& options)
 void saveAndRender(const Options& options, const ModelView& view)
 {
   const FileBuildReport built = buildToFile(view.model, options.representations[0], view.build, options.savePath);
+  printWarnings("cbvh_render", seamWarnings(view.model, built.seams));
   char line[256];
   std::snprintf(line, sizeof(line),
                 "%zu geometries, %zu of them from an interrupted build; the others, %.1f million quads, took %.1f s, "
@@ -147,7 +149,9 @@ void saveAndRender(const Options& options, const ModelView& view)
          {{"resumed_geometries", built.found},
           {"build_seconds", built.seconds},
           {"built_quads", built.quads},
-          {"build_peak_bytes", built.peakBytes}});
+          {"build_peak_bytes", built.peakBytes},
+          {"seam_gap", built.seams.distance},
+          {"seam_gap_quads", built.seams.quads}});
 }
 
 } // namespace cbvh

@@ -25,6 +25,7 @@ void writeOutput(const ViewerOptions& options)
   if (!document.loaded->saved)
     document.store.request(state.scenes());
   document.store.finish();
+  printWarnings("cbvh_viewer", seamWarnings(document.model(), document.store.largestSeamGap()));
   PictureSettings settings;
   settings.mode = options.mode;
   settings.up = document.model().view.up;

@@ -45,6 +45,7 @@ struct Document
 
   const std::unique_ptr<const LoadedModel> loaded;
   SceneStore store;
+  std::string seamWarning; // once it was shown
 };
 
 } // namespace cbvh

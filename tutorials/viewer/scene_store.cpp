@@ -67,6 +67,15 @@ const BuiltScene* SceneStore::find(const SceneKey& key) const
   return nullptr;
 }
 
+SeamGap SceneStore::largestSeamGap() const
+{
+  SeamGap largest;
+  for (const Entry& e : entries)
+    if (const SeamGap& gap = e.scene->report().seams; gap.quads > largest.quads)
+      largest = gap;
+  return largest;
+}
+
 void SceneStore::request(const std::vector<SceneKey>& keys)
 {
   requested = keys;

@@ -65,6 +65,9 @@ public:
   /* Null if not built. */
   const BuiltScene* find(const SceneKey& key) const;
 
+  /* Returns the largest gap of the scenes that are kept. */
+  SeamGap largestSeamGap() const;
+
   /* Reason why the last build failed; the next request clears it. */
   const std::string& failure() const { return error; }
 

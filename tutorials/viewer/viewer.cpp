@@ -160,7 +160,10 @@ void Viewer::update()
   if (loading && worker.finished())
     addLoaded();
   if (document)
+  {
     document->store.poll();
+    showSeamWarning();
+  }
   if (toLoad && !worker.hasTask())
     load();
   followCamera();
@@ -170,6 +173,19 @@ void Viewer::update()
     requestScenes();
     rendered.reset();
   }
+}
+
+/* Once per model. */
+void Viewer::showSeamWarning()
+{
+  if (!document->seamWarning.empty())
+    return;
+  const std::string warning = seamWarnings(document->model(), document->store.largestSeamGap());
+  if (warning.empty())
+    return;
+  document->seamWarning = warning;
+  printWarnings("cbvh_viewer", warning);
+  lastMessage = prefixLines("warning: ", warning);
 }
 
 /* Rates by the view change once the camera has rested. */

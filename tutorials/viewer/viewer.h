@@ -124,6 +124,7 @@ private:
   void leaveFrame() { framing.reset(); }
   void requestScenes();
   void followCamera();
+  void showSeamWarning();
   bool needsCamera() const
   {
     return document && requested.level == autoLevel && !document->model().isMesh && !isFile();
