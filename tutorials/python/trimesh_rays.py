@@ -11,9 +11,9 @@ The methods, their arguments and results are those of trimesh.ray.ray_pyembree, 
 here, all hits are returned unless the caller sets max_hits. Hits are on the triangles of the mesh: vertices are stored
 exactly, as floats of 32 bits, like in embreex.
 
-It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". It does not help with small meshes,
-and it does not save time: rays at irregular meshes take longer than in Embree, and a query runs on one thread.
-trimesh's own arrays, 36 bytes per triangle of a closed mesh, stay.
+It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". It does not save time: rays at
+irregular meshes take longer than in Embree, and a query runs on one thread. trimesh's own arrays, 36 bytes per triangle
+of a closed mesh, stay.
 """
 
 import ctypes
@@ -27,7 +27,6 @@ import numpy as np
 __all__ = ["RayMeshIntersector"]
 
 NO_HIT = 0xFFFFFFFF
-FEWEST_COMPRESSED = 256  # triangles, see docs/meshes.md
 PACKET = 16
 # Rows of RTCRayHit16, and words of RTCRayHit
 ORIGIN, NEAR, DIRECTION, FAR, MASK, PRIMITIVE, GEOMETRY, ROWS = slice(0, 3), 3, slice(4, 7), 8, 9, 17, 18, 20
@@ -246,51 +245,14 @@ class CompressedMesh:
         return triangles, rays[:, FAR].reshape(-1)[:count].copy()
 
 
-class FewTriangles:
-    """Tests all triangles of a mesh that the library does not compress."""
-
-    RAYS = 2048  # per step, which limits memory
-
-    def __init__(self, vertices, faces):
-        corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces, dtype=np.int64).reshape(-1, 3)]
-        self.corner, b, c = np.moveaxis(corners, 1, 0)
-        self.edges = b - self.corner, c - self.corner
-        self.lengths = np.linalg.norm(self.edges[0], axis=1) * np.linalg.norm(self.edges[1], axis=1)
+class NoTriangles:
+    """A mesh without triangles, which the library rejects."""
 
     def memory_bytes(self):
-        return 3 * self.corner.nbytes
+        return 0
 
     def closest(self, origins, directions, previous):
-        triangles = np.full(len(origins), -1, np.int64)
-        distances = np.full(len(origins), np.inf, np.float32)
-        if len(self.corner):
-            for start in range(0, len(origins), self.RAYS):
-                part = slice(start, start + self.RAYS)
-                t = self._distances(origins[part, None], directions[part, None], previous[part, None])
-                nearest = t.argmin(axis=1)
-                distances[part] = t[np.arange(len(t)), nearest]
-                triangles[part] = np.where(np.isfinite(distances[part]), nearest, -1)
-        return triangles, distances
-
-    def _distances(self, origins, directions, previous):
-        """Moeller and Trumbore 1997; infinity where a ray misses.
-
-        Rays miss triangles that they see at an angle, or whose edges have an angle, of less than 1e-9: there, rounding
-        errors of doubles exceed those of floats.
-        """
-        first, second = self.edges
-        across = np.cross(directions, second)
-        from_corner = origins - self.corner
-        around = np.cross(from_corner, first)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            determinant = (first * across).sum(axis=-1)
-            scale = 1 / determinant
-            u = (from_corner * across).sum(axis=-1) * scale
-            v = (directions * around).sum(axis=-1) * scale
-            t = (second * around).sum(axis=-1) * scale
-            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0) & (t.astype(np.float32) > after(previous))
-            hit &= np.abs(determinant) > 1e-9 * self.lengths
-        return np.where(hit, t, np.inf)
+        return np.full(len(origins), -1, np.int64), np.full(len(origins), np.inf, np.float32)
 
 
 class Placement:
@@ -368,8 +330,9 @@ class RayMeshIntersector:
             used = np.zeros(len(vertices), bool)
             used[np.asarray(self.mesh.faces, dtype=np.int64)] = True
             placement = Placement(vertices[used & np.isfinite(vertices).all(axis=1)], self._scale_to_box)
-            kind = CompressedMesh if len(self.mesh.faces) >= FEWEST_COMPRESSED else FewTriangles
-            self._built = key, kind(placement.to_scene(vertices), self.mesh.faces), placement
+            faces = self.mesh.faces
+            scene = CompressedMesh(placement.to_scene(vertices), faces) if len(faces) else NoTriangles()
+            self._built = key, scene, placement
         return self._built[1:]
 
     def _prepare(self, ray_origins, ray_directions):
