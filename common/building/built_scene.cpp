@@ -137,7 +137,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   else
     buildSubdivision(model, settings);
   built.quads = rates ? rates->quads : patches.numQuads();
-  built.seams = gaps.maximum();
+  built.seams = gaps->maximum();
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
@@ -163,7 +163,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 {
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
-  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts, &gaps,
+  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts, gaps.get(),
                builtAs.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
@@ -256,7 +256,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
                                                   3 * sizeof(float), layout.numVertices()));
     device->check("allocating the vertices of NAIVE");
   }
-  captureVertices(model, settings, captures, name + ": tessellation", &gaps);
+  captureVertices(model, settings, captures, name + ": tessellation", gaps.get());
   for (const GeometryHandle& copy : copies)
     fillTriangles(copy.get(), layout, settings);
 

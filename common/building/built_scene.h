@@ -132,7 +132,7 @@ private:
   std::shared_ptr<const EdgeRates> rates; // referenced by contexts
   size_t facesPerCopy, quadsPerCopy, numGeometries;
   std::vector<DisplacementContext> contexts;
-  SeamGaps gaps; // contexts refer to it
+  std::unique_ptr<SeamGaps> gaps = std::make_unique<SeamGaps>(); // contexts refer to it
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
