@@ -28,10 +28,11 @@
  *
  * Compression leaves out quads with a vertex that is not finite, and grids that refer to vertices outside of the vertex
  * buffer. All other geometry is committed. The commit reports RTC_ERROR_INVALID_ARGUMENT on the committing thread for
- * such grids, and if a control vertex of a subdivision surface, or a vertex that a displacement function returns, is
- * not finite. It reports once for each geometry that changed since the last commit, and the message names the
- * geometry and its first such face or grid. Vertices of grids and meshes that are not finite are no error, as in
- * Embree: programs mark missing samples with them. RTCCompressionStatistics counts their quads and names the first one.
+ * such grids, and if a vertex that a displacement function returns is not finite. It reports once for each geometry
+ * that changed since the last commit, and the message names the geometry and its first such face or grid. Vertices of
+ * grids, meshes and cages that are not finite are no error, as in Embree: programs mark missing samples with them.
+ * RTCCompressionStatistics counts their quads and names the first one. For cages, the commit also prints a line on
+ * stderr with the first control vertex.
  * cVOXEL stores patches with left-out quads as cLEAF.
  *
  * Faces that Embree's subdivision does not support are left out without an error, and the commit prints a line on

@@ -49,12 +49,6 @@ public:
     return twin;
   }
 
-  bool hasInvalidVertex() const
-  {
-    return std::any_of(cage.positions.begin(), cage.positions.end(),
-                       [](const Vec& p) { return !std::isfinite(p[0] + p[1] + p[2]); });
-  }
-
   // Updates everything if the input was released, otherwise only the changes.
   void edit(Random& random)
   {
@@ -287,12 +281,7 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
       }
       if (random.below(3)) continue;
       rtcCommitScene(*s.scene);
-      if (const RTCError error = device.takeError()) {
-        ASSERT_EQ(error, RTC_ERROR_INVALID_ARGUMENT) << device.message;
-        ASSERT_NE(device.message.find("finite"), std::string::npos) << device.message;
-        ASSERT_TRUE(std::any_of(s.surfaces.begin(), s.surfaces.end(),
-                                [](const auto& attached) { return attached.second->hasInvalidVertex(); }));
-      }
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       Scene twin(device, rtcGetSceneFlags(*s.scene));
       for (const auto& attached : s.surfaces) {
         RTCGeometry geometry = attached.second->newTwin();
@@ -300,7 +289,6 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
         rtcReleaseGeometry(geometry);
       }
       rtcCommitScene(twin);
-      device.takeError();
       expectTwins(*s.scene, twin, random, 100, hits);
       if (testing::Test::HasFatalFailure()) return;
     }

@@ -352,10 +352,12 @@ TEST_P(InvalidVertices, ControlVerticesAreCountedAndNamed)
       settings.rate = quads;
       settings.compression = GetParam();
       settings.timeSteps = timeSteps;
+      testing::internal::CaptureStderr();
       const SurfaceScene scene(device, cage, settings);
-      ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-      EXPECT_TRUE(containsInOrder(device.message, {"geometry 0, face 10:", " vertex " + std::to_string(bad) + " ",
-                                                   "finite", " 16 face", " 4096 quads"}));
+      const std::string text = testing::internal::GetCapturedStderr();
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << "Embree skips such faces silently: " << device.message;
+      EXPECT_TRUE(containsInOrder(text, {"geometry 0, face 10:", " vertex " + std::to_string(bad) + " ", "finite",
+                                         " 16 face", " 4096 quads\n"})) << text;
       const RTCCompressionStatistics statistics = statisticsOf(scene);
       EXPECT_EQ(statistics.numInvalidQuads, 16u*quads*quads);
       EXPECT_EQ(statistics.numQuads, (side*side - 16u)*quads*quads);
@@ -379,9 +381,10 @@ TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted)
   SurfaceSettings settings;
   settings.rate = 4;
   settings.compression = GetParam();
+  testing::internal::CaptureStderr();
   EXPECT_EQ(statisticsOf(SurfaceScene(device, cage, settings)).numInvalidQuads, 11u*16);
-  EXPECT_TRUE(containsInOrder(device.message, {"face 19:", " vertex 31 "}));
-  device.takeError();
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(containsInOrder(text, {"face 19:", " vertex 31 "})) << text;
   cage = sheetCage(8);
   cage.mode = RTC_SUBDIVISION_MODE_NO_BOUNDARY; // Embree leaves out the faces at the border
   const SurfaceScene scene(device, cage, settings);

@@ -54,7 +54,7 @@ verify() {
   name=$1
   shift
   status=0
-  LD_LIBRARY_PATH=$ours embree_verify --no-colors --flatten --intensity 0.1 "$@" $runs > log 2>&1 || status=$?
+  LD_LIBRARY_PATH=$ours embree_verify --no-colors --flatten --intensity 0.1 "$@" $runs > log 2> messages || status=$?
   sed -n 's/^ *\([^ ]*\) \.\.\..* \[PASSED\].*/\1/p' log | sort > "$name"
   sed -n '/\[PASSED\]/!s/^ *\([^ ]*\) \.\.\..*/\1/p' log | sort > "$name.lost"
   echo "$isa, $name: $(wc -l < "$name") tests pass, $(wc -l < "$name.lost") do not, status $status"

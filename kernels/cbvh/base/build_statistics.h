@@ -68,6 +68,7 @@ namespace embree
         quadsForHoles += other.quadsForHoles;
         bytesInEmbree += other.bytesInEmbree;
         invalidFaces += other.invalidFaces;
+        facesWithoutSurface += other.facesWithoutSurface;
         if (other.firstInvalidFace < firstInvalidFace) {
           firstInvalidFace = other.firstInvalidFace;
           firstInvalidVertex = other.firstInvalidVertex;

@@ -107,6 +107,7 @@ namespace embree
       size_t framelessQuadsInGrid = 0; //!< part of framelessQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< primitives that the commit reports as invalid (surface/source.h)
+      size_t facesWithoutSurface = 0; //!< of invalidFaces: control vertices leave nothing of them at any time step
       size_t bytesInEmbree = 0;    //!< estimate for Embree's own representation
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       InvalidVertex firstInvalidVertex; //!< a reason why firstInvalidFace is invalid

@@ -207,10 +207,17 @@ namespace embree
           && std::find(before.begin(),before.end(),surface.blocks->buildID) == before.end();
       }
 
-      /*! Reports invalid faces or grids, unless the previous commit did. */
-      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const {
-        if (surface.blocks->statistics.invalidFaces && isNew(surface,before))
-          report->addError(describeInvalid(surface));
+      /*! Reports invalid faces or grids, unless the previous commit did. Faces without surface are no error unless the
+       *  application expects one, because Embree skips them silently, and programs rely on it. */
+      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
+      {
+        const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
+        if (!statistics.invalidFaces || !isNew(surface,before)) return;
+        const std::string text = describeInvalid(surface);
+        if (statistics.invalidFaces != statistics.facesWithoutSurface || !surface.geometry->compression.warnsOfFaces)
+          return report->addError(text);
+        Lock<MutexSys> lock(g_printMutex);
+        std::cerr << "compression: " << text << std::endl;
       }
 
       /*! Prints which faces Embree cannot evaluate, unless the previous commit did. No error, because Embree skips them

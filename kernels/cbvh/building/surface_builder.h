@@ -141,7 +141,10 @@ namespace embree
               quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
               patchIndex++;
             });
-          if (plan.compresses()) statistics.sums.numInvalidQuads += source.quadsWithoutSurface(i);
+          if (const size_t missing = plan.compresses() ? source.quadsWithoutSurface(i) : 0) {
+            statistics.sums.numInvalidQuads += missing;
+            statistics.facesWithoutSurface++;
+          }
           if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid))
             statistics.addInvalidFace(i,[&] { return source.invalidVertex(i); });
           if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
