@@ -52,8 +52,8 @@ namespace embree
     static_assert(isSource<NoQuads>(),"");
 
     // expected: cbvh::InvalidVertex invalidVertex(size_t primitive) const
-    struct NoVertex : public SphereSource { cbvh::InvalidVertex invalidVertex () const; };
-    static_assert(isSource<NoVertex>(),"");
+    struct NoInvalidVertex : public SphereSource { cbvh::InvalidVertex invalidVertex () const; };
+    static_assert(isSource<NoInvalidVertex>(),"");
 
     // expected: bool isUnsupported(size_t primitive) const
     struct NoUnsupported : public SphereSource { bool isUnsupported () const; };
