@@ -6,6 +6,7 @@
 /* Checks the face and (u,v) of rtcInterpolate and rtcInterpolateN for subdivision surfaces, because Embree does not.
  * Other arguments, such as bufferSlot, must be valid. */
 
+#include "../embree/isolated_tasks.h"
 #include "../embree/scene.h"
 
 namespace embree

@@ -3,6 +3,7 @@
 
 #include "dicing.h"
 #include "../base/number_text.h"
+#include "../embree/isolated_tasks.h"
 #include "../files/loaded_geometry.h"
 #include "../surface/dicing_samples.h"
 #include "../surface/input_checks.h"

@@ -9,7 +9,6 @@
  * builds the blocks, unless endCommit() has. */
 
 #include "../embree/geometry.h"
-#include "../embree/isolated_tasks.h"
 #include "settings.h"
 #include <memory>
 
