@@ -4,6 +4,7 @@
 /* Closed cages whose texture coordinates are cut into charts. */
 
 #include "building/built_scene.h"
+#include "support/map_files.h"
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
 #include "surface/height_map.h"
@@ -18,7 +19,6 @@
 #include <map>
 #include <set>
 #include <tuple>
-#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -164,16 +164,9 @@ float offset(const Displacement& d, unsigned face, float u, float v, int level)
   return result;
 }
 
-class TextureSeams : public testing::Test
+class TextureSeams : public MapFiles
 {
 protected:
-  void SetUp() override
-  {
-    folder = std::filesystem::temp_directory_path() / ("cbvh_seams_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
   std::unique_ptr<Displacement> displaced(const Cage& cage, const HeightMap& heights,
                                           std::optional<TextureWrap> wrap = {})
   {
@@ -193,7 +186,6 @@ protected:
     return displaceByMap(cage, map, warnings);
   }
 
-  std::filesystem::path folder;
   int numMaps = 0;
 };
 
