@@ -5,9 +5,7 @@
 
 /* Loops of functions that an application may call in its own tasks. */
 
-#if defined(TASKING_TBB)
-#include <tbb/parallel_for.h>
-#endif
+#include "../../../common/tasking/taskscheduler.h"
 
 namespace embree
 {
