@@ -39,6 +39,9 @@ CLOSED = ("cube:0.001", "cube:0.03", "cube", "frog", "knee", "scythe", "trex")
 ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream --true-surface 0"
 
 
+# A job reads best on few lines.
+# fmt: off
+
 def cube(views, measure, seconds):
     """Level 8 of the cube fits into memory, so errors are measured against it."""
     return [

@@ -61,8 +61,8 @@ make_root() {
   [ -n "$mirror" ] ||
     { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
   rm -rf --one-file-system "$base.part"
-  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" > "$roots/$distribution.log" \
-    ||
+  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" \
+    > "$roots/$distribution.log" ||
     { tail "$roots/$distribution.log" >&2; return 1; }
   cp -L /etc/resolv.conf "$base.part/etc/"
   apt-config dump | grep -E '^Acquire::[a-z]+::Proxy' > "$base.part/etc/apt/apt.conf.d/90proxy" || true

@@ -37,6 +37,7 @@ struct Sheet
 
 // Slopes of words and boxes; fields of 0 bits, of up to 32 bits and of more; all forms of incomplete groups; raw
 // blocks.
+// clang-format off
 const Sheet sheets[] = {
   {"plane",                  16, 16,   0, {0, 0, 0},
    {32, 0, 16},  {0, 32, -48},  {0, 0, 0},  {0, 0, 0},         -1, 0x2ba85372be8a0c4f},
@@ -67,6 +68,7 @@ const Sheet sheets[] = {
   {"equal normals",           8,  8,   0, {0, 0, 0},
    {16, 0, -16}, {0, 16, 0},    {0, 0, 0},  {0, 0, 0},         -1, 0x802180a51c0813f9},
 };
+// clang-format on
 
 void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
 {

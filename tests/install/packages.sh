@@ -22,7 +22,9 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 
 mkdir -p "$roots"
 roots=$(cd "$roots" && pwd)
-release() { for root in bare demo clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done; }
+release() {
+  for root in bare demo clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done
+}
 trap release EXIT
 
 # make ROOT: creates a root file system with debootstrap, from the mirror of this machine

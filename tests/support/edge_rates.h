@@ -36,6 +36,7 @@ inline std::vector<float> drawRates(const Cage& cage, Random& random, const Draw
   return rates;
 }
 
+// clang-format off
 const struct { const char* name; DrawRate draw; } rateSets[] = {
   {"1 to 64",      [](Random& r) { return float(1 + r.below(64)); }},
   {"1 or 64",      [](Random& r) { return r.chance(0.5) ? 1.0f : 64.0f; }},
@@ -44,6 +45,7 @@ const struct { const char* name; DrawRate draw; } rateSets[] = {
   {"fractions",    [](Random& r) { return float(r.uniform(0.5, 40)); }},
   {"powers of 2",  [](Random& r) { return float(1u << r.below(7)); }},
 };
+// clang-format on
 
 inline Cage creasedCube()
 {

@@ -20,6 +20,7 @@
 #error "jumping through a slot is implemented for x86-64 and ARM64 only"
 #endif
 
+// clang-format off
 #define CBVH_EMBREE_FUNCTIONS(EACH) \
   EACH(rtcNewDevice) EACH(rtcReleaseDevice) EACH(rtcGetDeviceError) EACH(rtcGetDeviceProperty) \
   EACH(rtcSetDeviceErrorFunction) EACH(rtcSetDeviceMemoryMonitorFunction) \
@@ -33,6 +34,7 @@
   EACH(rtcGetSceneBounds) EACH(rtcGetSceneCompressionStatistics) \
   EACH(rtcIntersect1) EACH(rtcIntersect4) EACH(rtcIntersect8) EACH(rtcIntersect16) EACH(rtcIntersect1M) \
   EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
+// clang-format on
 
 /* A slot, and the function that jumps to its contents with any arguments. */
 #define CBVH_FUNCTION(name)                     \

@@ -15,8 +15,10 @@
 #define CBVH_END
 #else
 #define CBVH_ISA CVERT_ISA
+// clang-format off
 #define CBVH_BEGIN namespace embree { namespace cbvh { inline namespace CBVH_ISA {
 #define CBVH_END }}}
+// clang-format on
 
 namespace embree
 {

@@ -87,6 +87,7 @@ struct KindDescription
 
 /*! Only cLEAF aligns frames to the limit surface, along whose normals heights are stored best. Boxes of other kinds are
  *  tightest if frames align to the displaced surface. */
+// clang-format off
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::CGRID,  "grid",  "cGRID",  false, true,  false },
@@ -95,6 +96,7 @@ static constexpr KindDescription kindDescriptions[] = {
 #endif
   { Kind::CVERT,  "vert",  "cVERT",  false, true,  false }
 };
+// clang-format on
 static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
 
 static_assert(framedKinds < (1u << maxFramedKinds), "headers of blocks with frames have 4 bits for the kind");

@@ -16,6 +16,19 @@ namespace embree
   {
     namespace
     {
+      /*! Why clusters of a block may need floats. */
+      ClusterReason reasonForFloatsOf (const StoredBlock& block)
+      {
+        if (block.isMesh()) {
+          if (isMovingMesh(block.mesh())) return ClusterReason::MOVING;
+          return hasRanksOnAnyAxis(block.mesh()->spacings) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE;
+        }
+        if (!block.isVert()) return ClusterReason::FLOATS;
+        if (isMoving(block.vert()->info)) return ClusterReason::MOVING;
+        const bool hasFloats = isRaw(block.vert()->info) || hasRemainders(block.vert()->info);
+        return hasFloats ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE;
+      }
+
       class ClusterBuilder
       {
       public:
@@ -27,13 +40,7 @@ namespace embree
         bool build (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          reasonForFloats = block.isMesh()
-              ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING
-                : hasRanksOnAnyAxis(block.mesh()->spacings) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE
-              : !block.isVert() ? ClusterReason::FLOATS
-              : isMoving(block.vert()->info) ? ClusterReason::MOVING
-              : isRaw(block.vert()->info) || hasRemainders(block.vert()->info) ? ClusterReason::FLOATS
-              : ClusterReason::OUT_OF_RANGE;
+          reasonForFloats = reasonForFloatsOf(block);
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {
             bool shouldContinue = true;

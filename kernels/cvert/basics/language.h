@@ -70,8 +70,10 @@
 #  define CVERT_ISA isa_lowest
 #endif
 
+// clang-format off
 #define CVERT_BEGIN namespace cvert { inline namespace CVERT_ISA {
 #define CVERT_END }}
+// clang-format on
 #define CVERT_FUNCTION inline
 #define CVERT_CONSTANT static constexpr
 #define CVERT_REAL template<typename Real>

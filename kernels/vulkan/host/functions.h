@@ -11,6 +11,7 @@
 
 namespace embree { namespace vulkan {
 
+// clang-format off
 #define CBVH_INSTANCE_FUNCTIONS(F) \
   F(DestroyInstance) F(EnumeratePhysicalDevices) F(GetPhysicalDeviceProperties) F(GetPhysicalDeviceProperties2) \
   F(GetPhysicalDeviceFeatures2) F(GetPhysicalDeviceMemoryProperties) F(GetPhysicalDeviceQueueFamilyProperties) \
@@ -32,6 +33,7 @@ namespace embree { namespace vulkan {
 #define CBVH_STRUCTURE_FUNCTIONS(F) \
   F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
   F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
+// clang-format on
 
 #define CBVH_DECLARE(NAME) PFN_vk##NAME NAME = nullptr;
 
